@@ -1,0 +1,110 @@
+//! What every primitive can be asked.
+
+use std::ops::ControlFlow;
+
+use geometry::{Bounds3, Hit, Interval, TraversalRay, Visit};
+
+use crate::SurfaceInteraction;
+
+/// Which hits a visit tells of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum HitKind {
+    /// Those on surfaces with a material.
+    Material,
+    /// Those where the medium changes, with a material or without.
+    MediumTransition,
+}
+
+/// Something that a ray can hit and a renderer can shade: pbrt's Primitive. Aggregates of primitives are primitives.
+///
+/// A primitive's space is that of whoever asks ("world"). Which hits exist is a function of the ray alone, and no hit
+/// has a `t` below the entry of the ray into [`world_bound`](Self::world_bound) as [`TraversalRay::enter`] computes it:
+/// with these two, an aggregate's answer does not depend on its tree. All primitives of this workspace keep both; a
+/// primitive of your own keeps the second by `t.max(entry)`.
+pub trait Primitive {
+    /// A box around the primitive, at every time; not [valid](Bounds3::is_valid) where there is nothing to hit.
+    fn world_bound(&self) -> Bounds3;
+
+    /// How many primitives it counts for in the numbering of hits; an instance counts like a copy.
+    fn primitive_count(&self) -> u64 {
+        1
+    }
+
+    /// Tells `visitor` of every hit of this `kind` with `t_min < t < t_max`, in no particular order. The visitor's
+    /// answer lowers `t_max` for the rest, or ends the visit; the last answer is returned, `Continue(t_max)` if there
+    /// was none.
+    fn visit_hits(
+        &self,
+        ray: &TraversalRay,
+        interval: Interval,
+        kind: HitKind,
+        visitor: &mut dyn FnMut(Hit) -> Visit,
+    ) -> Visit;
+
+    /// The closest hit on a surface with a material: the smallest `t`, of equal `t` the smallest primitive.
+    fn intersect(&self, ray: &TraversalRay, interval: Interval) -> Option<Hit> {
+        intersect_filtered(self, ray, interval, |_| true)
+    }
+
+    /// Whether there is any hit on a surface with a material: pbrt's IntersectP, for shadow rays.
+    fn intersect_p(&self, ray: &TraversalRay, interval: Interval) -> bool {
+        self.visit_hits(ray, interval, HitKind::Material, &mut |_| ControlFlow::Break(())).is_break()
+    }
+
+    /// Describes a hit that this primitive reported for this very ray.
+    fn interaction(&self, ray: &TraversalRay, hit: &Hit) -> SurfaceInteraction;
+}
+
+/// The closest hit among those that `accept` takes: for alpha masks, ray masks, or to ignore a primitive.
+///
+/// `accept` is asked of candidates in no particular order and not necessarily of all; it must answer by the hit alone.
+pub fn intersect_filtered<P: Primitive + ?Sized>(
+    primitive: &P,
+    ray: &TraversalRay,
+    interval: Interval,
+    mut accept: impl FnMut(&Hit) -> bool,
+) -> Option<Hit> {
+    let mut closest: Option<Hit> = None;
+    let mut t_max = interval.t_max();
+    let _ = primitive.visit_hits(ray, interval, HitKind::Material, &mut |hit| {
+        if closest.as_ref().is_none_or(|best| hit.is_before(best)) && accept(&hit) {
+            t_max = t_max.min(hit.t_max_for_ties());
+            closest = Some(hit);
+        }
+        ControlFlow::Continue(t_max)
+    });
+    closest
+}
+
+macro_rules! primitive_by_reference {
+    ($($pointer:ty),*) => {$(
+        impl<P: Primitive + ?Sized> Primitive for $pointer {
+            fn world_bound(&self) -> Bounds3 {
+                (**self).world_bound()
+            }
+            fn primitive_count(&self) -> u64 {
+                (**self).primitive_count()
+            }
+            fn visit_hits(
+                &self,
+                ray: &TraversalRay,
+                interval: Interval,
+                kind: HitKind,
+                visitor: &mut dyn FnMut(Hit) -> Visit,
+            ) -> Visit {
+                (**self).visit_hits(ray, interval, kind, visitor)
+            }
+            fn intersect(&self, ray: &TraversalRay, interval: Interval) -> Option<Hit> {
+                (**self).intersect(ray, interval)
+            }
+            fn intersect_p(&self, ray: &TraversalRay, interval: Interval) -> bool {
+                (**self).intersect_p(ray, interval)
+            }
+            fn interaction(&self, ray: &TraversalRay, hit: &Hit) -> SurfaceInteraction {
+                (**self).interaction(ray, hit)
+            }
+        }
+    )*};
+}
+
+primitive_by_reference!(&P, Box<P>, std::sync::Arc<P>);

@@ -1,0 +1,131 @@
+//! One copy in memory, many places.
+
+use std::ops::ControlFlow;
+
+use geometry::{AnimatedTransform, Bounds3, Hit, Interval, Transform, TraversalRay, Visit};
+
+use crate::interaction::outgoing_direction;
+use crate::{HitKind, Primitive, SurfaceInteraction};
+
+/// Where a primitive stands.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Placement {
+    /// At one place, at all times.
+    Static(Transform),
+    /// At a place that depends on the ray's time. Boxed, since moving instances are the few.
+    Animated(Box<AnimatedTransform>),
+}
+
+impl From<Transform> for Placement {
+    fn from(transform: Transform) -> Self {
+        Self::Static(transform)
+    }
+}
+
+impl From<AnimatedTransform> for Placement {
+    fn from(transform: AnimatedTransform) -> Self {
+        Self::Animated(Box::new(transform))
+    }
+}
+
+impl Placement {
+    /// The transform from the primitive's space to the surrounding one at `time`.
+    pub fn at(&self, time: f32) -> Transform {
+        match self {
+            Self::Static(transform) => *transform,
+            Self::Animated(transform) => transform.at(time),
+        }
+    }
+
+    /// A box that contains the image of `bounds` at every time.
+    pub fn bounds(&self, bounds: &Bounds3) -> Bounds3 {
+        match self {
+            Self::Static(transform) => transform.bounds(bounds),
+            Self::Animated(transform) => transform.motion_bounds(bounds),
+        }
+    }
+
+    fn ray_to_object(&self, ray: &TraversalRay) -> Option<TraversalRay> {
+        match self {
+            Self::Static(transform) => transform.ray_to_object(ray),
+            Self::Animated(transform) => transform.at(ray.time()).ray_to_object(ray),
+        }
+    }
+}
+
+/// A primitive at another place: pbrt's TransformedPrimitive. With `P = Arc<…>` many of them share one copy, and since
+/// it is a primitive itself, it nests to any depth.
+///
+/// The ray is transformed in f64 and its direction is not normalised, so `t` and the interval mean the same inside. A
+/// ray that misses the instance's own world bound misses the instance, and no `t` lies below the entry into it.
+#[derive(Clone, Debug)]
+pub struct TransformedPrimitive<P> {
+    primitive: P,
+    placement: Placement,
+    world_bound: Bounds3,
+}
+
+impl<P: Primitive> TransformedPrimitive<P> {
+    /// `primitive`, seen through `placement`, which carries its space into the surrounding one.
+    pub fn new(primitive: P, placement: impl Into<Placement>) -> Self {
+        let placement = placement.into();
+        let object_bound = primitive.world_bound();
+        let world_bound = if object_bound.is_valid() { placement.bounds(&object_bound) } else { Bounds3::EMPTY };
+        Self { primitive, placement, world_bound }
+    }
+
+    /// The primitive in its own space.
+    pub fn primitive(&self) -> &P {
+        &self.primitive
+    }
+
+    /// Where it stands.
+    pub fn placement(&self) -> &Placement {
+        &self.placement
+    }
+
+    /// The entry into the world bound and the ray inside; `None` where every hit is ruled out.
+    fn enter(&self, ray: &TraversalRay, interval: Interval) -> Option<(f32, TraversalRay)> {
+        let entry = ray.enter(&self.world_bound, interval)?;
+        if entry < interval.t_max() { Some((entry, self.placement.ray_to_object(ray)?)) } else { None }
+    }
+}
+
+impl<P: Primitive> Primitive for TransformedPrimitive<P> {
+    fn world_bound(&self) -> Bounds3 {
+        self.world_bound
+    }
+
+    fn primitive_count(&self) -> u64 {
+        self.primitive.primitive_count()
+    }
+
+    fn visit_hits(
+        &self,
+        ray: &TraversalRay,
+        interval: Interval,
+        kind: HitKind,
+        visitor: &mut dyn FnMut(Hit) -> Visit,
+    ) -> Visit {
+        let Some((entry, ray)) = self.enter(ray, interval) else { return ControlFlow::Continue(interval.t_max()) };
+        self.primitive.visit_hits(&ray, interval, kind, &mut |hit| visitor(Hit { t: hit.t.max(entry), ..hit }))
+    }
+
+    fn intersect(&self, ray: &TraversalRay, interval: Interval) -> Option<Hit> {
+        let (entry, ray) = self.enter(ray, interval)?;
+        let hit = self.primitive.intersect(&ray, interval)?;
+        Some(Hit { t: hit.t.max(entry), ..hit })
+    }
+
+    fn intersect_p(&self, ray: &TraversalRay, interval: Interval) -> bool {
+        self.enter(ray, interval).is_some_and(|(_, ray)| self.primitive.intersect_p(&ray, interval))
+    }
+
+    fn interaction(&self, ray: &TraversalRay, hit: &Hit) -> SurfaceInteraction {
+        let object_to_world = self.placement.at(ray.time());
+        // The hit was found by this ray, so it has an image inside.
+        let inner_ray = object_to_world.ray_to_object(ray).unwrap_or(*ray);
+        let inner = self.primitive.interaction(&inner_ray, hit);
+        SurfaceInteraction { point: object_to_world.surface_point(&inner.point), wo: outgoing_direction(ray), ..inner }
+    }
+}

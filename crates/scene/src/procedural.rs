@@ -1,0 +1,7 @@
+//! Procedural scenes.
+/// x
+#[derive(Debug)]
+pub struct BuiltIn;
+/// x
+#[derive(Debug)]
+pub struct BuiltInError;
