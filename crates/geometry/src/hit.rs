@@ -38,3 +38,61 @@ impl Hit {
 
 /// What a visitor of hits answers: `Continue(t_max)` to be told of further hits below `t_max`, or `Break(())` to stop.
 pub type Visit = ControlFlow<(), f32>;
+
+/// Whoever is told of hits. Every closure `|hit: Hit| -> Visit` is one.
+pub trait HitVisitor {
+    /// Takes a hit.
+    fn hit(&mut self, hit: Hit) -> Visit;
+
+    /// Is told what finding the hits of one aggregate cost. Whoever does not ask does not pay: plain closest-hit and
+    /// any-hit queries use no visitor and count nothing.
+    fn work(&mut self, work: Work) {
+        let _ = work;
+    }
+}
+
+impl<F: FnMut(Hit) -> Visit> HitVisitor for F {
+    fn hit(&mut self, hit: Hit) -> Visit {
+        self(hit)
+    }
+}
+
+/// What a query cost, in steps that do not depend on the machine.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Work {
+    /// Nodes of trees visited.
+    pub nodes: u64,
+    /// Primitives tested.
+    pub primitives: u64,
+}
+
+impl std::ops::AddAssign for Work {
+    fn add_assign(&mut self, other: Self) {
+        self.nodes += other.nodes;
+        self.primitives += other.primitives;
+    }
+}
+
+/// A visitor that tells another one of the same hits, changed by `map`: how an aggregate passes on what its members
+/// report.
+pub struct MappedVisitor<'a, F> {
+    visitor: &'a mut dyn HitVisitor,
+    map: F,
+}
+
+impl<'a, F: Fn(Hit) -> Hit> MappedVisitor<'a, F> {
+    /// Tells `visitor` of `map(hit)` for every hit.
+    pub fn new(visitor: &'a mut dyn HitVisitor, map: F) -> Self {
+        Self { visitor, map }
+    }
+}
+
+impl<F: Fn(Hit) -> Hit> HitVisitor for MappedVisitor<'_, F> {
+    fn hit(&mut self, hit: Hit) -> Visit {
+        self.visitor.hit((self.map)(hit))
+    }
+
+    fn work(&mut self, work: Work) {
+        self.visitor.work(work);
+    }
+}

@@ -30,7 +30,7 @@ pub use animated_transform::{AnimatedTransform, AnimatedTransformError, Keyframe
 pub use axis::Axis;
 pub use bounds3::Bounds3;
 pub use glam;
-pub use hit::{Hit, Visit};
+pub use hit::{Hit, HitVisitor, MappedVisitor, Visit, Work};
 pub use interval::Interval;
 pub use ray::Ray;
 pub use rounding::{MAX_COORDINATE, round_down, round_up};

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 
 use glam::{DVec3, Vec2};
 
-use crate::{Bounds3, Hit, Interval, Transform, TraversalRay, Visit};
+use crate::{Bounds3, Hit, HitVisitor, Interval, Transform, TraversalRay, Visit};
 
 /// Something with a surface that a ray can meet: pbrt's Shape. It may consist of many primitives, as a mesh does.
 ///
@@ -26,23 +26,23 @@ pub trait Shape {
 
     /// Tells `visitor` of every hit with `t_min < t < t_max`, in no particular order. The visitor's answer lowers
     /// `t_max` for the rest, or ends the visit; the last answer is returned, `Continue(t_max)` if there was none.
-    fn visit_hits(&self, ray: &TraversalRay, interval: Interval, visitor: &mut dyn FnMut(Hit) -> Visit) -> Visit;
+    fn visit_hits(&self, ray: &TraversalRay, interval: Interval, visitor: &mut dyn HitVisitor) -> Visit;
 
     /// The closest hit: the smallest `t`, of equal `t` the smallest primitive.
     fn intersect(&self, ray: &TraversalRay, interval: Interval) -> Option<Hit> {
         let mut closest: Option<Hit> = None;
-        let _ = self.visit_hits(ray, interval, &mut |hit| {
+        let _ = self.visit_hits(ray, interval, &mut |hit: Hit| {
             if closest.as_ref().is_none_or(|best| hit.is_before(best)) {
                 closest = Some(hit);
             }
-            ControlFlow::Continue(closest.map_or(interval.t_max(), |best| best.t_max_for_ties().min(interval.t_max())))
+            ControlFlow::Continue(closest.map_or(interval.t_max(), |best| best.t_max_for_ties()))
         });
         closest
     }
 
     /// Whether there is any hit: pbrt's IntersectP, for shadow rays.
     fn intersect_p(&self, ray: &TraversalRay, interval: Interval) -> bool {
-        self.visit_hits(ray, interval, &mut |_| ControlFlow::Break(())).is_break()
+        self.visit_hits(ray, interval, &mut |_: Hit| ControlFlow::Break(())).is_break()
     }
 
     /// The surface at a hit that this shape reported for this very ray.
@@ -76,7 +76,7 @@ macro_rules! shape_by_reference {
             fn primitive_count(&self) -> u64 {
                 (**self).primitive_count()
             }
-            fn visit_hits(&self, ray: &TraversalRay, interval: Interval, visitor: &mut dyn FnMut(Hit) -> Visit) -> Visit {
+            fn visit_hits(&self, ray: &TraversalRay, interval: Interval, visitor: &mut dyn HitVisitor) -> Visit {
                 (**self).visit_hits(ray, interval, visitor)
             }
             fn intersect(&self, ray: &TraversalRay, interval: Interval) -> Option<Hit> {

@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 use glam::{DVec3, Vec2, Vec3};
 use thiserror::Error;
 
-use crate::{Bounds3, Hit, Interval, Shape, SurfacePoint, TraversalRay, Visit, round_down, round_up};
+use crate::{Bounds3, Hit, HitVisitor, Interval, Shape, SurfacePoint, TraversalRay, Visit, round_down, round_up};
 
 /// A whole sphere: all points at distance `radius` from `center`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -86,7 +86,7 @@ impl Shape for Sphere {
         )
     }
 
-    fn visit_hits(&self, ray: &TraversalRay, mut interval: Interval, visitor: &mut dyn FnMut(Hit) -> Visit) -> Visit {
+    fn visit_hits(&self, ray: &TraversalRay, mut interval: Interval, visitor: &mut dyn HitVisitor) -> Visit {
         let bounds = self.object_bound();
         if bounds.is_valid()
             && let Some(roots) = self.roots(ray)
@@ -95,7 +95,7 @@ impl Shape for Sphere {
                 let Some(entry) = ray.enter(&bounds, interval) else { break };
                 let t = (root as f32).max(entry);
                 if interval.contains(t) {
-                    interval = interval.with_t_max(visitor(Hit { t, u: 0.0, v: 0.0, primitive: 0 })?);
+                    interval = interval.with_t_max(visitor.hit(Hit { t, u: 0.0, v: 0.0, primitive: 0 })?);
                 }
             }
         }
@@ -141,7 +141,7 @@ mod tests {
     fn both_hits_in_order_and_the_inside() {
         let s = Sphere::new(Vec3::new(0.0, 0.0, 5.0), 1.0).expect("valid");
         let mut ts = Vec::new();
-        let _ = s.visit_hits(&ray([0.0; 3], [0.0, 0.0, 1.0]), Interval::FULL, &mut |h| {
+        let _ = s.visit_hits(&ray([0.0; 3], [0.0, 0.0, 1.0]), Interval::FULL, &mut |h: Hit| {
             ts.push(h.t);
             ControlFlow::Continue(f32::INFINITY)
         });

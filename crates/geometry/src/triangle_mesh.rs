@@ -6,7 +6,8 @@ use glam::{Vec2, Vec3};
 use thiserror::Error;
 
 use crate::{
-    Bounds3, Hit, Interval, Shape, SurfacePoint, TraversalRay, Visit, intersect_triangle, triangle_surface_point,
+    Bounds3, Hit, HitVisitor, Interval, Shape, SurfacePoint, TraversalRay, Visit, intersect_triangle,
+    triangle_surface_point,
 };
 
 /// Triangles over shared vertices. Every index is in range by construction.
@@ -151,14 +152,14 @@ impl Shape for TriangleMesh {
         self.triangles.len() as u64
     }
 
-    fn visit_hits(&self, ray: &TraversalRay, mut interval: Interval, visitor: &mut dyn FnMut(Hit) -> Visit) -> Visit {
+    fn visit_hits(&self, ray: &TraversalRay, mut interval: Interval, visitor: &mut dyn HitVisitor) -> Visit {
         for i in 0..self.len() {
             let vertices = self.vertices(i);
             let Some(h) = intersect_triangle(ray, &vertices, interval) else { continue };
             if !Bounds3::from_points(vertices).is_valid() {
                 continue;
             }
-            let t_max = visitor(Hit { t: h.t, u: h.u, v: h.v, primitive: i as u64 })?;
+            let t_max = visitor.hit(Hit { t: h.t, u: h.u, v: h.v, primitive: i as u64 })?;
             interval = interval.with_t_max(t_max);
         }
         ControlFlow::Continue(interval.t_max())
@@ -216,13 +217,13 @@ mod tests {
     fn all_hits_are_visited_and_a_visitor_may_stop() {
         let mut seen = Vec::new();
         let mesh = quad(&[0.0, 1.0, 2.0]);
-        let _ = mesh.visit_hits(&down(0.7, 0.2), Interval::FULL, &mut |h| {
+        let _ = mesh.visit_hits(&down(0.7, 0.2), Interval::FULL, &mut |h: Hit| {
             seen.push(h.primitive);
             ControlFlow::Continue(f32::INFINITY)
         });
         assert_eq!(seen, [0, 2, 4]);
         seen.clear();
-        let end = mesh.visit_hits(&down(0.7, 0.2), Interval::FULL, &mut |h| {
+        let end = mesh.visit_hits(&down(0.7, 0.2), Interval::FULL, &mut |h: Hit| {
             seen.push(h.primitive);
             ControlFlow::Break(())
         });

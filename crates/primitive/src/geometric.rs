@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use geometry::{Bounds3, Hit, Interval, Shape, TraversalRay, Visit};
+use geometry::{Bounds3, Hit, HitVisitor, Interval, Shape, TraversalRay, Visit};
 
 use crate::interaction::outgoing_direction;
 use crate::{HitKind, MediumInterface, Primitive, Surface, SurfaceInteraction};
@@ -55,13 +55,7 @@ impl<S: Shape> Primitive for GeometricPrimitive<S> {
         self.shape.primitive_count()
     }
 
-    fn visit_hits(
-        &self,
-        ray: &TraversalRay,
-        interval: Interval,
-        kind: HitKind,
-        visitor: &mut dyn FnMut(Hit) -> Visit,
-    ) -> Visit {
+    fn visit_hits(&self, ray: &TraversalRay, interval: Interval, kind: HitKind, visitor: &mut dyn HitVisitor) -> Visit {
         if self.takes_part(kind) {
             self.shape.visit_hits(ray, interval, visitor)
         } else {
@@ -117,7 +111,7 @@ mod tests {
             assert_eq!(p.intersect(&ray, Interval::FULL).is_some(), hit);
             assert_eq!(p.intersect_p(&ray, Interval::FULL), hit);
             let mut count = 0;
-            let _ = p.visit_hits(&ray, Interval::FULL, HitKind::MediumTransition, &mut |_| {
+            let _ = p.visit_hits(&ray, Interval::FULL, HitKind::MediumTransition, &mut |_: Hit| {
                 count += 1;
                 ControlFlow::Continue(f32::INFINITY)
             });

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use geometry::{Bounds3, Hit, Interval, TraversalRay, Visit};
+use geometry::{Bounds3, Hit, HitVisitor, Interval, MappedVisitor, TraversalRay, Visit};
 
 use crate::{HitKind, Primitive, SurfaceInteraction};
 
@@ -63,11 +63,16 @@ impl<P: Primitive> Primitive for PrimitiveList<P> {
         ray: &TraversalRay,
         mut interval: Interval,
         kind: HitKind,
-        visitor: &mut dyn FnMut(Hit) -> Visit,
+        visitor: &mut dyn HitVisitor,
     ) -> Visit {
         for (member, &first) in self.members.iter().zip(&self.first) {
             if member.world_bound().is_valid() {
-                let t_max = member.visit_hits(ray, interval, kind, &mut |hit| visitor(hit.offset_by(first)))?;
+                let t_max = member.visit_hits(
+                    ray,
+                    interval,
+                    kind,
+                    &mut MappedVisitor::new(visitor, |hit| hit.offset_by(first)),
+                )?;
                 interval = interval.with_t_max(t_max);
             }
         }
@@ -112,7 +117,7 @@ mod tests {
             assert_eq!(list.interaction(&ray, &hit).p().z, 1.5);
             // A hit found must hide everything behind it from then on.
             let mut visited = Vec::new();
-            let _ = list.visit_hits(&ray, Interval::FULL, HitKind::Material, &mut |h| {
+            let _ = list.visit_hits(&ray, Interval::FULL, HitKind::Material, &mut |h: Hit| {
                 visited.push(h.t);
                 ControlFlow::Continue(h.t)
             });

@@ -48,7 +48,7 @@ pub fn medium_boundaries<P: Primitive + ?Sized>(
     interval: Interval,
 ) -> Vec<MediumBoundary> {
     let mut boundaries = Vec::new();
-    let _ = primitive.visit_hits(ray, interval, HitKind::MediumTransition, &mut |hit| {
+    let _ = primitive.visit_hits(ray, interval, HitKind::MediumTransition, &mut |hit: Hit| {
         let interaction = primitive.interaction(ray, &hit);
         if let Some(MediumInterface { inside, outside }) = interaction.media {
             let (from, to) = if interaction.is_from_inside(ray) { (inside, outside) } else { (outside, inside) };

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use geometry::{Bounds3, Hit, Interval, TraversalRay, Visit};
+use geometry::{Bounds3, Hit, HitVisitor, Interval, TraversalRay, Visit};
 
 use crate::SurfaceInteraction;
 
@@ -33,13 +33,7 @@ pub trait Primitive {
     /// Tells `visitor` of every hit of this `kind` with `t_min < t < t_max`, in no particular order. The visitor's
     /// answer lowers `t_max` for the rest, or ends the visit; the last answer is returned, `Continue(t_max)` if there
     /// was none.
-    fn visit_hits(
-        &self,
-        ray: &TraversalRay,
-        interval: Interval,
-        kind: HitKind,
-        visitor: &mut dyn FnMut(Hit) -> Visit,
-    ) -> Visit;
+    fn visit_hits(&self, ray: &TraversalRay, interval: Interval, kind: HitKind, visitor: &mut dyn HitVisitor) -> Visit;
 
     /// The closest hit on a surface with a material: the smallest `t`, of equal `t` the smallest primitive.
     fn intersect(&self, ray: &TraversalRay, interval: Interval) -> Option<Hit> {
@@ -48,7 +42,7 @@ pub trait Primitive {
 
     /// Whether there is any hit on a surface with a material: pbrt's IntersectP, for shadow rays.
     fn intersect_p(&self, ray: &TraversalRay, interval: Interval) -> bool {
-        self.visit_hits(ray, interval, HitKind::Material, &mut |_| ControlFlow::Break(())).is_break()
+        self.visit_hits(ray, interval, HitKind::Material, &mut |_: Hit| ControlFlow::Break(())).is_break()
     }
 
     /// Describes a hit that this primitive reported for this very ray.
@@ -66,7 +60,7 @@ pub fn intersect_filtered<P: Primitive + ?Sized>(
 ) -> Option<Hit> {
     let mut closest: Option<Hit> = None;
     let mut t_max = interval.t_max();
-    let _ = primitive.visit_hits(ray, interval, HitKind::Material, &mut |hit| {
+    let _ = primitive.visit_hits(ray, interval, HitKind::Material, &mut |hit: Hit| {
         if closest.as_ref().is_none_or(|best| hit.is_before(best)) && accept(&hit) {
             t_max = t_max.min(hit.t_max_for_ties());
             closest = Some(hit);
@@ -90,7 +84,7 @@ macro_rules! primitive_by_reference {
                 ray: &TraversalRay,
                 interval: Interval,
                 kind: HitKind,
-                visitor: &mut dyn FnMut(Hit) -> Visit,
+                visitor: &mut dyn HitVisitor,
             ) -> Visit {
                 (**self).visit_hits(ray, interval, kind, visitor)
             }

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use geometry::{AnimatedTransform, Bounds3, Hit, Interval, Transform, TraversalRay, Visit};
+use geometry::{AnimatedTransform, Bounds3, Hit, HitVisitor, Interval, MappedVisitor, Transform, TraversalRay, Visit};
 
 use crate::interaction::outgoing_direction;
 use crate::{HitKind, Primitive, SurfaceInteraction};
@@ -100,15 +100,14 @@ impl<P: Primitive> Primitive for TransformedPrimitive<P> {
         self.primitive.primitive_count()
     }
 
-    fn visit_hits(
-        &self,
-        ray: &TraversalRay,
-        interval: Interval,
-        kind: HitKind,
-        visitor: &mut dyn FnMut(Hit) -> Visit,
-    ) -> Visit {
+    fn visit_hits(&self, ray: &TraversalRay, interval: Interval, kind: HitKind, visitor: &mut dyn HitVisitor) -> Visit {
         let Some((entry, ray)) = self.enter(ray, interval) else { return ControlFlow::Continue(interval.t_max()) };
-        self.primitive.visit_hits(&ray, interval, kind, &mut |hit| visitor(Hit { t: hit.t.max(entry), ..hit }))
+        self.primitive.visit_hits(
+            &ray,
+            interval,
+            kind,
+            &mut MappedVisitor::new(visitor, |hit| Hit { t: hit.t.max(entry), ..hit }),
+        )
     }
 
     fn intersect(&self, ray: &TraversalRay, interval: Interval) -> Option<Hit> {
