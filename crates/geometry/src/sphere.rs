@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 use glam::{DVec3, Vec2, Vec3};
 use thiserror::Error;
 
-use crate::{Bounds3, Hit, HitVisitor, Interval, Shape, SurfacePoint, TraversalRay, Visit, round_down, round_up};
+use crate::{Bounds3, Hit, HitVisitor, Interval, Shape, SurfacePoint, TraversalRay, Visit, Work, round_down, round_up};
 
 /// A whole sphere: all points at distance `radius` from `center`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,6 +87,7 @@ impl Shape for Sphere {
     }
 
     fn visit_hits(&self, ray: &TraversalRay, mut interval: Interval, visitor: &mut dyn HitVisitor) -> Visit {
+        visitor.work(Work { nodes: 0, primitives: 1 });
         let bounds = self.object_bound();
         if bounds.is_valid()
             && let Some(roots) = self.roots(ray)

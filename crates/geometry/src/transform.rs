@@ -234,7 +234,7 @@ impl Transform {
 
 // Written out, so that the same operations run in the same order on every target (glam's own may use FMA).
 
-fn apply3(m: &DMat3, v: DVec3) -> DVec3 {
+pub(crate) fn apply3(m: &DMat3, v: DVec3) -> DVec3 {
     m.x_axis * v.x + m.y_axis * v.y + m.z_axis * v.z
 }
 
@@ -242,7 +242,7 @@ fn apply(m: &DAffine3, p: DVec3) -> DVec3 {
     apply3(&m.matrix3, p) + m.translation
 }
 
-fn multiply3(a: &DMat3, b: &DMat3) -> DMat3 {
+pub(crate) fn multiply3(a: &DMat3, b: &DMat3) -> DMat3 {
     DMat3::from_cols(apply3(a, b.x_axis), apply3(a, b.y_axis), apply3(a, b.z_axis))
 }
 
@@ -339,6 +339,6 @@ mod tests {
             }
         }
         assert!(Transform::IDENTITY.bounds(&Bounds3::EMPTY).is_empty());
-        assert_eq!(Transform::IDENTITY.bounds(&b).contains(&b), true);
+        assert!(Transform::IDENTITY.bounds(&b).contains(&b));
     }
 }

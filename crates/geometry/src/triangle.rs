@@ -93,13 +93,10 @@ impl Weights {
             x_size[i] = p[shear.kx].abs() + (sx * z[i]).abs();
             y_size[i] = p[shear.ky].abs() + (sy * z[i]).abs();
         }
-        let mut e = [0.0; 3];
-        let mut e_error = 0.0;
-        for i in 0..3 {
-            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-            e[i] = x[k] * y[j] - y[k] * x[j];
-            e_error += 12.0 * U64 * (x_size[k] * y_size[j] + y_size[k] * x_size[j]);
-        }
+        const EDGES: [(usize, usize); 3] = [(2, 1), (0, 2), (1, 0)];
+        let e = EDGES.map(|(i, j)| x[i] * y[j] - y[i] * x[j]);
+        let e_size: f64 = EDGES.iter().map(|&(i, j)| x_size[i] * y_size[j] + y_size[i] * x_size[j]).sum();
+        let e_error = 12.0 * U64 * e_size;
         let det = e[0] + e[1] + e[2];
         if det == 0.0 || !det.is_finite() {
             return None;

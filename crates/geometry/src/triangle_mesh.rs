@@ -6,7 +6,7 @@ use glam::{Vec2, Vec3};
 use thiserror::Error;
 
 use crate::{
-    Bounds3, Hit, HitVisitor, Interval, Shape, SurfacePoint, TraversalRay, Visit, intersect_triangle,
+    Bounds3, Hit, HitVisitor, Interval, Shape, SurfacePoint, TraversalRay, Visit, Work, intersect_triangle,
     triangle_surface_point,
 };
 
@@ -153,6 +153,7 @@ impl Shape for TriangleMesh {
     }
 
     fn visit_hits(&self, ray: &TraversalRay, mut interval: Interval, visitor: &mut dyn HitVisitor) -> Visit {
+        visitor.work(Work { nodes: 0, primitives: self.primitive_count() });
         for i in 0..self.len() {
             let vertices = self.vertices(i);
             let Some(h) = intersect_triangle(ray, &vertices, interval) else { continue };

@@ -1,7 +1,7 @@
 //! What a renderer learns about a hit.
 
 use geometry::glam::{Vec2, Vec3};
-use geometry::{SurfacePoint, TraversalRay, round_up};
+use geometry::{Interval, Ray, SurfacePoint, TraversalRay, round_up};
 
 use crate::{MediumInterface, Surface};
 
@@ -42,6 +42,37 @@ impl SurfaceInteraction {
     /// The surface's own parameters, or the mesh's texture coordinates.
     pub fn uv(&self) -> Vec2 {
         self.point.uv
+    }
+
+    /// A ray that leaves the surface here towards `direction`, at the same time.
+    ///
+    /// Its origin is moved along the normal to the side of `direction`, by as much as the box of `p_error` reaches, and
+    /// on to the next f32 away from the surface: pbrt's OffsetRayOrigin (section 6.8.6 of the fourth edition).
+    pub fn spawn_ray(&self, direction: Vec3) -> Ray {
+        let n = self.point.n;
+        let away = if n.dot(direction.as_dvec3()) < 0.0 { -n } else { n };
+        let reach = n.abs().dot(self.p_error().as_dvec3());
+        let offset = away * reach;
+        let moved = self.p().as_dvec3() + offset;
+        let origin = [0, 1, 2].map(|i| {
+            let x = moved[i] as f32;
+            if offset[i] > 0.0 {
+                x.next_up()
+            } else if offset[i] < 0.0 {
+                x.next_down()
+            } else {
+                x
+            }
+        });
+        Ray::new(origin, direction).at_time(self.time)
+    }
+
+    /// The ray from here to `target`, and the interval that ends just before it: for shadow rays. `t` is 1 at the
+    /// target; the interval stops 2⁻¹⁶ before, so that a surface at the target does not shadow itself.
+    pub fn spawn_ray_to(&self, target: Vec3) -> (Ray, Interval) {
+        let spawned = self.spawn_ray(target - self.p());
+        let ray = Ray { direction: target - spawned.origin, ..spawned };
+        (ray, Interval::up_to(1.0 - 1.0 / 65536.0))
     }
 
     /// Whether the ray came from inside: against the normal's side.

@@ -20,6 +20,7 @@ mod media;
 mod primitive;
 mod surface;
 mod transformed;
+mod work;
 
 pub use geometric::GeometricPrimitive;
 pub use geometry;
@@ -30,3 +31,4 @@ pub use media::{MediumBoundary, MediumInterface, medium_boundaries};
 pub use primitive::{HitKind, Primitive, intersect_filtered};
 pub use surface::Surface;
 pub use transformed::{Placement, TransformedPrimitive};
+pub use work::{intersect_counted, intersect_p_counted};
