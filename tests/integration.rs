@@ -1,1 +1,10 @@
+//! The integration tests, as one binary. Real scenes are used where they are there; a test that needs them says so and
+//! passes where they are not.
 
+mod agreement;
+mod degenerate;
+mod determinism;
+mod instancing;
+mod media;
+mod real_scenes;
+mod support;

@@ -1,2 +1,57 @@
-//! x
-fn main() {}
+//! The runner of the workspace: `cargo xtask`. Parses the command line, calls the command, turns its end into an exit
+//! code: 0 good, 1 a failure of what was asked, 2 a command line that makes no sense.
+
+mod input;
+mod measure;
+mod picture;
+mod random;
+mod render;
+mod shading;
+mod sweep;
+mod table;
+mod trace;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+/// Ray tracing acceleration: measure it, look at it, replay your own rays.
+#[derive(Parser)]
+#[command(name = "cargo xtask", bin_name = "cargo xtask", max_term_width = 100, after_help = EXAMPLES)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  cargo xtask sweep                              the main job on the built-in scene
+  cargo xtask sweep bunny.ply kitchen.ply        the same on scenes of yours
+  cargo xtask sweep builtin:terrain:1M           on a generated terrain of a million triangles
+  cargo xtask render bunny.ply --view visits -o visits.png
+  cargo xtask trace bunny.ply --rays engine.rays --out hits.npy";
+
+#[derive(Subcommand)]
+enum Command {
+    /// Build a scene with every split method, trace it with four kinds of rays, and print what each costs
+    Sweep(sweep::Arguments),
+    /// Draw a scene: its surfaces, or what rays cost in it
+    Render(render::Arguments),
+    /// Trace rays from a file, from your own engine for instance, and write their hits
+    Trace(trace::Arguments),
+}
+
+fn main() -> ExitCode {
+    let result = match Cli::parse().command {
+        Command::Sweep(arguments) => sweep::run(&arguments),
+        Command::Render(arguments) => render::run(&arguments),
+        Command::Trace(arguments) => trace::run(&arguments),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            ExitCode::FAILURE
+        }
+    }
+}

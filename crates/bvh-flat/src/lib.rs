@@ -1,1 +1,30 @@
-//! bvh-flat
+#![doc = include_str!("../README.md")]
+//!
+//! # Invariants
+//!
+//! This is the only crate that knows the bytes of a tree. A [`FlatBvh`] is valid by construction: traversal relies on
+//! it and checks nothing again. The tree hands a leaf's *range* to whoever stores the primitives; nothing in the tree
+//! knows what a primitive is. Without the feature `build` the crate traces trees and has no builder, no rayon and no
+//! radix sort. It prints nothing, reads no clock, and never panics on input.
+
+mod aggregate;
+mod flat_bvh;
+#[cfg(feature = "build")]
+mod flatten;
+mod mesh_bvh;
+mod node;
+mod stack;
+mod traverse;
+mod validate;
+
+pub use aggregate::BvhAggregate;
+#[cfg(feature = "build")]
+pub use bvh_build;
+#[cfg(feature = "build")]
+pub use bvh_build::{BuildConfig, BuildError, BuildObserver, SplitMethod};
+pub use flat_bvh::{FlatBvh, MAX_DEPTH};
+pub use geometry;
+pub use mesh_bvh::MeshBvh;
+pub use node::LinearBvhNode;
+pub use primitive;
+pub use validate::InvalidBvh;

@@ -1,0 +1,140 @@
+//! How a tree is to be built.
+
+use crate::BuildError;
+
+/// How a node's primitives are divided between its children: pbrt's four ways.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum SplitMethod {
+    /// By the surface area heuristic, the expected cost of a ray, over 12 buckets. The best trees.
+    Sah,
+    /// Hierarchical linear BVH: treelets by Morton order, and the surface area heuristic above them. Fast to build.
+    Hlbvh,
+    /// In the middle of the centroids' interval. Fast and simple; good only for evenly spread primitives.
+    Middle,
+    /// Half of the primitives to each side, by their centroids. The shallowest trees, whatever the input.
+    EqualCounts,
+}
+
+impl SplitMethod {
+    /// All methods, in the order of the chapter.
+    pub const ALL: [SplitMethod; 4] = [Self::Sah, Self::Hlbvh, Self::Middle, Self::EqualCounts];
+
+    /// Its name in tables and on command lines.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Sah => "sah",
+            Self::Hlbvh => "hlbvh",
+            Self::Middle => "middle",
+            Self::EqualCounts => "equal-counts",
+        }
+    }
+}
+
+/// How many bits [`SplitMethod::Hlbvh`] spends on a primitive's place along the Morton curve.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum MortonBits {
+    /// 63 where more than half of the primitives are smaller than one cell of the 30-bit grid, that is, where their
+    /// largest extent is below 1/1024 of the largest extent of all centroids' bounds; else 30. Beyond that point
+    /// 30 bits begin to put neighbours into one cell.
+    #[default]
+    Auto,
+    /// 10 bits for each axis, as in pbrt. The fastest to sort.
+    Bits30,
+    /// 21 bits for each axis.
+    Bits63,
+}
+
+/// The parameters of a build. Begin with [`BuildConfig::new`] or the default, and change what matters.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct BuildConfig {
+    /// How nodes are divided.
+    pub split_method: SplitMethod,
+    /// No leaf holds more primitives. Larger leaves make smaller trees that build faster and test more primitives a
+    /// ray; with [`SplitMethod::Sah`] a leaf is this large only where the heuristic says so. Between 1 and 65535, the
+    /// most that a linear node of 32 bytes counts; default 4.
+    pub max_primitives_in_leaf: u32,
+    /// The chapter's t_trav: the cost of visiting an interior node, in the unit of
+    /// [`intersection_cost`](Self::intersection_cost). Finite, not negative; default 0.5.
+    pub traversal_cost: f32,
+    /// The chapter's t_isect: the cost of testing one primitive. Finite, not negative; default 1.
+    pub intersection_cost: f32,
+    /// The length of the Morton codes; only [`SplitMethod::Hlbvh`] uses it.
+    pub morton_bits: MortonBits,
+}
+
+impl Default for BuildConfig {
+    fn default() -> Self {
+        Self::new(SplitMethod::Sah)
+    }
+}
+
+/// The most primitives that a leaf may be allowed.
+const MAX_LEAF: u32 = u16::MAX as u32;
+
+impl BuildConfig {
+    /// `split_method` with the default for everything else.
+    pub const fn new(split_method: SplitMethod) -> Self {
+        Self {
+            split_method,
+            max_primitives_in_leaf: 4,
+            traversal_cost: 0.5,
+            intersection_cost: 1.0,
+            morton_bits: MortonBits::Auto,
+        }
+    }
+
+    /// The same with another [`max_primitives_in_leaf`](Self::max_primitives_in_leaf).
+    pub const fn with_max_primitives_in_leaf(self, max_primitives_in_leaf: u32) -> Self {
+        Self { max_primitives_in_leaf, ..self }
+    }
+
+    /// The same with other costs: t_trav and t_isect.
+    pub const fn with_costs(self, traversal_cost: f32, intersection_cost: f32) -> Self {
+        Self { traversal_cost, intersection_cost, ..self }
+    }
+
+    /// The same with another length of Morton codes.
+    pub const fn with_morton_bits(self, morton_bits: MortonBits) -> Self {
+        Self { morton_bits, ..self }
+    }
+
+    pub(crate) fn validate(&self) -> Result<(), BuildError> {
+        if !(1..=MAX_LEAF).contains(&self.max_primitives_in_leaf) {
+            return Err(BuildError::InvalidConfig {
+                parameter: "max_primitives_in_leaf",
+                value: self.max_primitives_in_leaf as f32,
+                requirement: "between 1 and 65535",
+            });
+        }
+        for (parameter, value) in
+            [("traversal_cost", self.traversal_cost), ("intersection_cost", self.intersection_cost)]
+        {
+            if !(value.is_finite() && value >= 0.0) {
+                let requirement = "finite and not negative";
+                return Err(BuildError::InvalidConfig { parameter, value, requirement });
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_sensible_parameters_are_accepted() {
+        assert_eq!(BuildConfig::default().validate(), Ok(()));
+        assert_eq!(BuildConfig::default().with_costs(0.0, 0.0).validate(), Ok(()));
+        for bad in [
+            BuildConfig::default().with_max_primitives_in_leaf(0),
+            BuildConfig::default().with_max_primitives_in_leaf(65_536),
+            BuildConfig::default().with_costs(-1.0, 1.0),
+            BuildConfig::default().with_costs(f32::NAN, 1.0),
+            BuildConfig::default().with_costs(1.0, f32::INFINITY),
+        ] {
+            assert!(matches!(bad.validate(), Err(BuildError::InvalidConfig { .. })), "{bad:?}");
+        }
+    }
+}

@@ -1,0 +1,56 @@
+//! What a build tells about its progress.
+
+use crate::TreeStatistics;
+
+/// A part of a build. Phases do not overlap; which of them take place, and in what order, depends on the split method.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Phase {
+    /// Checking and copying the bounds of all active primitives.
+    Bounds,
+    /// The recursion from the root down ([`Sah`](crate::SplitMethod::Sah), [`Middle`](crate::SplitMethod::Middle),
+    /// [`EqualCounts`](crate::SplitMethod::EqualCounts)).
+    Recursion,
+    /// Computing Morton codes ([`Hlbvh`](crate::SplitMethod::Hlbvh), as the next three).
+    MortonCodes,
+    /// Sorting the primitives along the Morton curve.
+    Sort,
+    /// Building the treelets.
+    Treelets,
+    /// Building the tree above the treelets.
+    UpperTree,
+    /// Putting all nodes into one array, depth first.
+    Assembly,
+    /// Computing the statistics.
+    Statistics,
+}
+
+/// Is told where each phase of a build begins and ends, always on the thread that called
+/// [`build_observed`](crate::build_observed). The library reads no clock; an observer may.
+pub trait BuildObserver: Sync {
+    /// `phase` begins now.
+    fn begin(&self, phase: Phase) {
+        let _ = phase;
+    }
+
+    /// `phase` has ended.
+    fn end(&self, phase: Phase) {
+        let _ = phase;
+    }
+
+    /// A tree is complete.
+    fn built(&self, statistics: &TreeStatistics) {
+        let _ = statistics;
+    }
+}
+
+/// Nobody observes.
+impl BuildObserver for () {}
+
+/// The result of `work`, which is `phase`.
+pub(crate) fn observed<T>(observer: &dyn BuildObserver, phase: Phase, work: impl FnOnce() -> T) -> T {
+    observer.begin(phase);
+    let result = work();
+    observer.end(phase);
+    result
+}

@@ -1,0 +1,124 @@
+//! What the builders know of a primitive, and of many.
+
+use geometry::glam::{Vec3, Vec3A};
+use geometry::{Axis, Bounds3};
+
+use crate::parallel::join;
+
+/// One active primitive: its bounds and its index. Builders reorder these in place.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(16))]
+pub(crate) struct PrimInfo {
+    min: Vec3,
+    pub(crate) index: u32,
+    max: Vec3,
+    unused: u32,
+}
+
+impl PrimInfo {
+    /// `index` with its `bounds`. A zero loses its sign, so that the union of bounds, minimum by minimum, is the same
+    /// bits in any order.
+    pub(crate) fn new(bounds: &Bounds3, index: u32) -> Self {
+        Self { min: bounds.min + 0.0, index, max: bounds.max + 0.0, unused: 0 }
+    }
+
+    /// The active ones among `bounds`, in order.
+    pub(crate) fn active(bounds: &[Bounds3]) -> Vec<Self> {
+        let mut active = Vec::with_capacity(bounds.len());
+        active.extend(
+            // Indices fit: there are at most MAX_PRIMITIVES.
+            (0_u32..).zip(bounds).filter(|(_, b)| b.is_valid()).map(|(index, b)| Self::new(b, index)),
+        );
+        active
+    }
+
+    /// Twice the centroid along one axis.
+    pub(crate) fn centroid2_on(&self, axis: Axis) -> f32 {
+        self.min[axis.index()] + self.max[axis.index()]
+    }
+
+    /// Its bounds. The numbers behind either corner fill the register, so that it is loaded at once.
+    #[inline]
+    pub(crate) fn bounds(&self) -> Bounds3A {
+        Bounds3A {
+            min: Vec3A::from_vec4(self.min.extend(f32::from_bits(self.index))),
+            max: Vec3A::from_vec4(self.max.extend(f32::from_bits(self.unused))),
+        }
+    }
+}
+
+/// Bounds in vectors that fill a register: [`Bounds3`] for inner loops.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Bounds3A {
+    pub(crate) min: Vec3A,
+    pub(crate) max: Vec3A,
+}
+
+impl Bounds3A {
+    pub(crate) const EMPTY: Self = Self { min: Vec3A::INFINITY, max: Vec3A::NEG_INFINITY };
+
+    pub(crate) fn to_bounds(self) -> Bounds3 {
+        Bounds3::new(self.min.into(), self.max.into())
+    }
+
+    /// The extent on each axis.
+    pub(crate) fn diagonal(&self) -> Vec3A {
+        self.max - self.min
+    }
+
+    pub(crate) fn union(&self, other: &Self) -> Self {
+        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
+    }
+
+    fn union_point(&self, p: Vec3A) -> Self {
+        Self { min: self.min.min(p), max: self.max.max(p) }
+    }
+
+    /// The surface area of bounds that are not empty; exact up to f64 rounding.
+    pub(crate) fn surface_area(&self) -> f64 {
+        let d = self.max.as_dvec3() - self.min.as_dvec3();
+        2.0 * (d.x * d.y + d.y * d.z + d.z * d.x)
+    }
+}
+
+/// What a set of primitives takes up: its bounds, and those of its centroids. The latter are of twice the centroids,
+/// min + max: these bucket and compare as the centroids do, and need no rounding of a half.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Extent {
+    pub(crate) bounds: Bounds3A,
+    pub(crate) centroids2: Bounds3A,
+}
+
+impl Extent {
+    pub(crate) const EMPTY: Self = Self { bounds: Bounds3A::EMPTY, centroids2: Bounds3A::EMPTY };
+
+    /// The extent of `prims`.
+    pub(crate) fn of(prims: &[PrimInfo]) -> Self {
+        /// Above this, a second thread is worth waking.
+        const SEQUENTIAL: usize = 1 << 16;
+        if prims.len() <= SEQUENTIAL {
+            return prims.iter().fold(Self::EMPTY, |extent, p| extent.with(p));
+        }
+        let (a, b) = prims.split_at(prims.len() / 2);
+        let (a, b) = join(|| Self::of(a), || Self::of(b));
+        a.union(&b)
+    }
+
+    #[inline]
+    pub(crate) fn with(&self, p: &PrimInfo) -> Self {
+        let b = p.bounds();
+        Self { bounds: self.bounds.union(&b), centroids2: self.centroids2.union_point(b.min + b.max) }
+    }
+
+    #[inline]
+    pub(crate) fn union(&self, other: &Self) -> Self {
+        Self { bounds: self.bounds.union(&other.bounds), centroids2: self.centroids2.union(&other.centroids2) }
+    }
+
+    /// The axis along which the centroids are spread most, and their interval there; `None` where all are one point.
+    pub(crate) fn centroid_interval(&self) -> Option<(Axis, f32, f32)> {
+        let axis = self.centroids2.to_bounds().dominant_axis();
+        let (low, high) = (self.centroids2.min[axis.index()], self.centroids2.max[axis.index()]);
+        (low < high).then_some((axis, low, high))
+    }
+}

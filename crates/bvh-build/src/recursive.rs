@@ -1,0 +1,69 @@
+//! The recursion from the root down: bounds, split, two parts; shared by all methods that split sets of primitives.
+
+use crate::depth::DepthLimit;
+use crate::prim_info::{Extent, PrimInfo};
+use crate::split::split;
+use crate::subtree::{Part, Step};
+use crate::{BuildConfig, SplitMethod};
+
+/// A set of primitives to split by one of the methods.
+pub(crate) struct Group<'a> {
+    prims: &'a mut [PrimInfo],
+    first: usize,
+    extent: Extent,
+    rules: &'a Rules,
+}
+
+/// What holds for a whole recursion.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Rules {
+    pub(crate) config: BuildConfig,
+    pub(crate) limit: DepthLimit,
+}
+
+impl Rules {
+    /// `config`, with no node deeper than `limit`.
+    pub(crate) fn new(config: &BuildConfig, limit: u32) -> Self {
+        Self { config: *config, limit: DepthLimit::new(limit) }
+    }
+
+    /// The same, splitting by `split_method`.
+    pub(crate) fn with_split_method(self, split_method: SplitMethod) -> Self {
+        Self { config: BuildConfig { split_method, ..self.config }, ..self }
+    }
+}
+
+impl<'a> Group<'a> {
+    /// `prims`, which begin at `first` in the order of all.
+    pub(crate) fn new(prims: &'a mut [PrimInfo], first: usize, rules: &'a Rules) -> Self {
+        let extent = Extent::of(prims);
+        Self { prims, first, extent, rules }
+    }
+}
+
+impl Part for Group<'_> {
+    fn len(&self) -> usize {
+        self.prims.len()
+    }
+
+    fn first(&self) -> usize {
+        self.first
+    }
+
+    fn split(self, depth: u32) -> Step<Self> {
+        let Self { prims, first, extent, rules } = self;
+        let is_free = rules.limit.allows_any_split(depth, prims.len());
+        match split(prims, &extent, &rules.config, is_free) {
+            None => Step::Leaf(extent.bounds.to_bounds()),
+            Some(split) => {
+                let (a, b) = prims.split_at_mut(split.middle);
+                let [a_extent, b_extent] = split.extents;
+                Step::Interior(
+                    split.axis,
+                    Self { prims: a, first, extent: a_extent, rules },
+                    Self { prims: b, first: first + split.middle, extent: b_extent, rules },
+                )
+            }
+        }
+    }
+}

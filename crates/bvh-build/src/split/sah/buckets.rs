@@ -1,0 +1,81 @@
+//! Buckets: primitives in twelve heaps.
+
+use super::{BUCKET_COUNT, Boundary, Projection};
+use crate::parallel::join;
+use crate::prim_info::{Extent, PrimInfo};
+
+/// The primitives with their centroids in one bucket.
+#[derive(Clone, Copy)]
+struct Bucket {
+    count: usize,
+    extent: Extent,
+}
+
+impl Bucket {
+    const EMPTY: Self = Self { count: 0, extent: Extent::EMPTY };
+
+    fn union(&self, other: &Self) -> Self {
+        Self { count: self.count + other.count, extent: self.extent.union(&other.extent) }
+    }
+
+    /// Count times area; 0 where it has no primitives.
+    fn weight(&self) -> f64 {
+        if self.count == 0 { 0.0 } else { self.count as f64 * self.extent.bounds.surface_area() }
+    }
+}
+
+pub(super) struct Buckets([Bucket; BUCKET_COUNT]);
+
+impl Buckets {
+    pub(super) fn of(prims: &[PrimInfo], projection: Projection) -> Self {
+        let mut buckets = Self([Bucket::EMPTY; BUCKET_COUNT]);
+        buckets.add(prims, projection);
+        buckets
+    }
+
+    fn add(&mut self, prims: &[PrimInfo], projection: Projection) {
+        /// Above this, a second thread is worth waking.
+        const SEQUENTIAL: usize = 1 << 16;
+        if prims.len() > SEQUENTIAL {
+            let (a, b) = prims.split_at(prims.len() / 2);
+            let ((), b) = join(|| self.add(a, projection), || Self::of(b, projection));
+            for (bucket, other) in self.0.iter_mut().zip(&b.0) {
+                *bucket = bucket.union(other);
+            }
+            return;
+        }
+        for p in prims {
+            let bucket = &mut self.0[projection.bucket(p)];
+            bucket.count += 1;
+            bucket.extent = bucket.extent.with(p);
+        }
+    }
+
+    /// The boundary of least weight, of equals the first; [`Boundary::place`] counts buckets.
+    pub(super) fn cheapest_boundary(&self) -> Boundary {
+        // The weight of all from each bucket on in one sweep back, and of all before it in another one forth.
+        let mut behind = [0.0; BUCKET_COUNT];
+        let mut side = Bucket::EMPTY;
+        for (behind, bucket) in behind.iter_mut().zip(&self.0).rev() {
+            side = side.union(bucket);
+            *behind = side.weight();
+        }
+        let all = side.count;
+        let mut best = Boundary::NONE;
+        let mut side = Bucket::EMPTY;
+        for (place, (bucket, behind)) in (1..).zip(self.0.iter().zip(&behind[1..])) {
+            side = side.union(bucket);
+            let weight = side.weight() + behind;
+            if weight < best.weight && 0 < side.count && side.count < all {
+                best = Boundary { place, weight };
+            }
+        }
+        best
+    }
+
+    /// What the primitives before and behind a boundary take up.
+    pub(super) fn extents(&self, place: usize) -> [Extent; 2] {
+        let (a, b) = self.0.split_at(place);
+        [a, b].map(|side| side.iter().fold(Extent::EMPTY, |extent, bucket| extent.union(&bucket.extent)))
+    }
+}

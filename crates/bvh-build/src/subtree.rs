@@ -1,0 +1,169 @@
+//! Trees in the making: grown in parallel, then assembled into one array.
+
+use geometry::{Axis, Bounds3};
+
+use crate::parallel::join;
+use crate::prim_info::PrimInfo;
+use crate::{Node, NodeKind};
+
+/// Up to this many primitives a subtree is grown by one thread into one block of nodes.
+const SEQUENTIAL: usize = 4096;
+
+/// A set of primitives that will be a subtree.
+pub(crate) trait Part: Send + Sized {
+    /// How many primitives it has; at least one.
+    fn len(&self) -> usize;
+
+    /// Where they begin in the order of all.
+    fn first(&self) -> usize;
+
+    /// What becomes of it as the node at `depth`, counted from 1 at the root.
+    fn split(self, depth: u32) -> Step<Self>;
+}
+
+/// What a part becomes.
+pub(crate) enum Step<P> {
+    /// A leaf with these bounds.
+    Leaf(Bounds3),
+    /// An interior node over two parts, the lower along the axis first.
+    Interior(Axis, P, P),
+}
+
+/// A finished subtree. Its leaves' ranges are of the primitives as they lie in the builder's array.
+#[derive(Debug)]
+pub(crate) enum Subtree {
+    /// Nodes in depth-first order, with second children relative to the first node.
+    Block { nodes: Vec<Node>, height: u32 },
+    /// A node over two subtrees.
+    Interior { axis: Axis, bounds: Bounds3, height: u32, children: Box<[Subtree; 2]> },
+}
+
+/// The subtree of nothing, which only takes the place of one that was moved out.
+impl Default for Subtree {
+    fn default() -> Self {
+        Self::Block { nodes: Vec::new(), height: 0 }
+    }
+}
+
+impl Subtree {
+    /// The subtree of `part`, with its root at `depth`.
+    pub(crate) fn grow(part: impl Part, depth: u32) -> Self {
+        if part.len() <= SEQUENTIAL {
+            return Self::grow_block(part, depth);
+        }
+        let (first, count) = (part.first(), part.len());
+        match part.split(depth) {
+            Step::Leaf(bounds) => Self::Block { nodes: vec![leaf(bounds, first, count)], height: 1 },
+            Step::Interior(axis, a, b) => {
+                let (a, b) = join(move || Self::grow(a, depth + 1), move || Self::grow(b, depth + 1));
+                Self::interior(axis, a, b)
+            }
+        }
+    }
+
+    /// As [`grow`](Self::grow), by one thread and with a stack of its own: what is pending are the second children.
+    fn grow_block<P: Part>(part: P, depth: u32) -> Self {
+        let mut nodes = Vec::with_capacity(part.len());
+        let mut deepest = depth;
+        let mut pending = vec![(part, depth, None)];
+        while let Some((part, depth, parent)) = pending.pop() {
+            deepest = deepest.max(depth);
+            if let Some((parent, axis)) = parent {
+                let second_child = nodes.len() as u32;
+                let parent: &mut Node = &mut nodes[parent];
+                parent.kind = NodeKind::Interior { axis, second_child };
+            }
+            let (first, count) = (part.first(), part.len());
+            match part.split(depth) {
+                Step::Leaf(bounds) => nodes.push(leaf(bounds, first, count)),
+                Step::Interior(axis, a, b) => {
+                    pending.push((b, depth + 1, Some((nodes.len(), axis))));
+                    pending.push((a, depth + 1, None));
+                    nodes.push(interior(Bounds3::EMPTY, axis));
+                }
+            }
+        }
+        // Children lie behind their parents, so from the back every child is ready before its parent.
+        for i in (0..nodes.len()).rev() {
+            if let NodeKind::Interior { second_child, .. } = nodes[i].kind {
+                nodes[i].bounds = nodes[i + 1].bounds.union(&nodes[second_child as usize].bounds);
+            }
+        }
+        Self::Block { nodes, height: deepest - depth + 1 }
+    }
+
+    /// A node over `a` and `b`.
+    pub(crate) fn interior(axis: Axis, a: Self, b: Self) -> Self {
+        let bounds = a.bounds().union(&b.bounds());
+        let height = 1 + a.height().max(b.height());
+        Self::Interior { axis, bounds, height, children: Box::new([a, b]) }
+    }
+
+    pub(crate) fn bounds(&self) -> Bounds3 {
+        match self {
+            Self::Block { nodes, .. } => nodes.first().map_or(Bounds3::EMPTY, |root| root.bounds),
+            Self::Interior { bounds, .. } => *bounds,
+        }
+    }
+
+    /// The number of nodes on its longest path.
+    pub(crate) fn height(&self) -> u32 {
+        match self {
+            Self::Block { height, .. } | Self::Interior { height, .. } => *height,
+        }
+    }
+
+    fn node_count(&self) -> usize {
+        match self {
+            Self::Block { nodes, .. } => nodes.len(),
+            Self::Interior { children, .. } => 1 + children.iter().map(Self::node_count).sum::<usize>(),
+        }
+    }
+
+    /// All nodes in depth-first order without gaps, and the primitives in the order of the leaves, within a leaf by
+    /// index. Since no split depends on the order of its primitives, nothing in the tree does.
+    pub(crate) fn assemble(self, prims: &[PrimInfo]) -> (Vec<Node>, Vec<u32>) {
+        let mut nodes = Vec::with_capacity(self.node_count());
+        let mut order = Vec::with_capacity(prims.len());
+        self.append_to(&mut nodes, &mut order, prims);
+        (nodes, order)
+    }
+
+    // Node indices and places in the order fit 32 bits, since there are at most MAX_PRIMITIVES.
+    fn append_to(self, nodes: &mut Vec<Node>, order: &mut Vec<u32>, prims: &[PrimInfo]) {
+        match self {
+            Self::Block { nodes: block, .. } => {
+                let offset = nodes.len() as u32;
+                nodes.extend(block.into_iter().map(|mut node| {
+                    match &mut node.kind {
+                        NodeKind::Interior { second_child, .. } => *second_child += offset,
+                        NodeKind::Leaf { first, count } => {
+                            let leaf = *first as usize..*first as usize + *count as usize;
+                            *first = order.len() as u32;
+                            order.extend(prims[leaf].iter().map(|p| p.index));
+                            order[*first as usize..].sort_unstable();
+                        }
+                    }
+                    node
+                }));
+            }
+            Self::Interior { axis, bounds, children, .. } => {
+                let here = nodes.len();
+                let [a, b] = *children;
+                nodes.push(interior(bounds, axis));
+                a.append_to(nodes, order, prims);
+                nodes[here].kind = NodeKind::Interior { axis, second_child: nodes.len() as u32 };
+                b.append_to(nodes, order, prims);
+            }
+        }
+    }
+}
+
+fn leaf(bounds: Bounds3, first: usize, count: usize) -> Node {
+    Node { bounds, kind: NodeKind::Leaf { first: first as u32, count: count as u32 } }
+}
+
+/// An interior node whose second child is not known yet.
+fn interior(bounds: Bounds3, axis: Axis) -> Node {
+    Node { bounds, kind: NodeKind::Interior { axis, second_child: 0 } }
+}

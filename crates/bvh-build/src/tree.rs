@@ -1,0 +1,133 @@
+//! Trees.
+
+use geometry::{Axis, Bounds3};
+
+use crate::BuildConfig;
+
+/// A bounding volume hierarchy over the active ones of the bounds it was built from.
+///
+/// Every node's bounds contain those of its children, and a leaf's bounds contain those of its primitives, exactly;
+/// they are the smallest that do. Every active primitive is in one leaf. No path has more than
+/// [`MAX_DEPTH`](crate::MAX_DEPTH) nodes, and n primitives make at most 2n − 1 of them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tree {
+    nodes: Vec<Node>,
+    order: Vec<u32>,
+    statistics: TreeStatistics,
+}
+
+/// A node with its bounds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Node {
+    /// The bounds of everything below.
+    pub bounds: Bounds3,
+    /// What is below.
+    pub kind: NodeKind,
+}
+
+/// What is below a node.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NodeKind {
+    /// Two children: the first directly behind this node, the second further on.
+    Interior {
+        /// The axis along which the primitives were divided: the first child has the lower ones.
+        axis: Axis,
+        /// The index of the second child.
+        second_child: u32,
+    },
+    /// Primitives.
+    Leaf {
+        /// Where they begin in [`Tree::order`].
+        first: u32,
+        /// How many they are; at least one.
+        count: u32,
+    },
+}
+
+/// What a tree is like.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct TreeStatistics {
+    /// How many nodes it has.
+    pub node_count: u32,
+    /// How many of them are leaves.
+    pub leaf_count: u32,
+    /// The number of nodes on the longest path: 1 for a single leaf, 0 for the empty tree.
+    pub depth: u32,
+    /// The number of primitives in the largest leaf.
+    pub largest_leaf: u32,
+    /// How many primitives are in the tree.
+    pub active_count: u32,
+    /// How many are not: their bounds are empty, NaN or outside of the domain ([`Bounds3::is_valid`]).
+    pub inactive_count: u32,
+    /// The expected cost of a random ray that meets the tree's bounds, by the surface area heuristic and with the
+    /// costs of the configuration: the sum of p · t_trav over the interior nodes and of p · n · t_isect over the
+    /// leaves, where p is a node's area as a part of the root's. Where the root has no area, p is 1. Always finite.
+    pub sah_cost: f64,
+}
+
+impl Tree {
+    pub(crate) fn new(nodes: Vec<Node>, order: Vec<u32>, inactive_count: usize, config: &BuildConfig) -> Self {
+        let statistics = TreeStatistics {
+            active_count: order.len() as u32,
+            inactive_count: inactive_count as u32,
+            ..TreeStatistics::of(&nodes, config)
+        };
+        Self { nodes, order, statistics }
+    }
+
+    /// All nodes in depth-first order: the root first, every first child directly behind its parent. None where there
+    /// are no active primitives.
+    pub fn nodes(&self) -> &[Node] {
+        &self.nodes
+    }
+
+    /// The indices of the active primitives, leaf by leaf in the order of the nodes.
+    pub fn order(&self) -> &[u32] {
+        &self.order
+    }
+
+    /// The same indices, taken out of the tree.
+    pub fn into_order(self) -> Vec<u32> {
+        self.order
+    }
+
+    /// What the tree is like.
+    pub fn statistics(&self) -> &TreeStatistics {
+        &self.statistics
+    }
+
+    /// The bounds of all active primitives; empty where there are none.
+    pub fn bounds(&self) -> Bounds3 {
+        self.nodes.first().map_or(Bounds3::EMPTY, |root| root.bounds)
+    }
+}
+
+impl TreeStatistics {
+    /// The statistics of `nodes`, without those of primitives.
+    fn of(nodes: &[Node], config: &BuildConfig) -> Self {
+        let root_area = nodes.first().map_or(0.0, |root| root.bounds.surface_area());
+        let [t_trav, t_isect] = [config.traversal_cost, config.intersection_cost].map(f64::from);
+        let mut statistics = Self { node_count: nodes.len() as u32, ..Self::default() };
+        // The second children to come, the next one last, with their depths.
+        let mut pending: Vec<(usize, u32)> = Vec::new();
+        let mut depth = 0;
+        for (i, node) in nodes.iter().enumerate() {
+            depth = pending.pop_if(|&mut (next, _)| next == i).map_or(depth + 1, |(_, depth)| depth);
+            statistics.depth = statistics.depth.max(depth);
+            let p = if root_area > 0.0 { node.bounds.surface_area() / root_area } else { 1.0 };
+            statistics.sah_cost += match node.kind {
+                NodeKind::Interior { second_child, .. } => {
+                    pending.push((second_child as usize, depth + 1));
+                    p * t_trav
+                }
+                NodeKind::Leaf { count, .. } => {
+                    statistics.leaf_count += 1;
+                    statistics.largest_leaf = statistics.largest_leaf.max(count);
+                    p * f64::from(count) * t_isect
+                }
+            };
+        }
+        statistics
+    }
+}

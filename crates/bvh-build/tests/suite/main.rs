@@ -1,0 +1,8 @@
+//! Trees over hard cases: the table of degenerate scenes against every method and leaf size.
+
+mod check;
+mod invariance;
+mod matrix;
+mod scenes;
+mod small_stack;
+mod threads;

@@ -1,0 +1,54 @@
+//! The same bytes on any number of threads.
+
+use bvh_build::{NodeKind, Tree};
+
+/// All of a tree's nodes and its order as words.
+pub(crate) fn bits(tree: &Tree) -> Vec<u32> {
+    let mut bits = tree.order().to_vec();
+    for node in tree.nodes() {
+        bits.extend(node.bounds.min.to_array().map(f32::to_bits));
+        bits.extend(node.bounds.max.to_array().map(f32::to_bits));
+        bits.extend(match node.kind {
+            NodeKind::Interior { axis, second_child } => [0, axis as u32, second_child],
+            NodeKind::Leaf { first, count } => [1, first, count],
+        });
+    }
+    bits
+}
+
+#[cfg(feature = "parallel")]
+#[test]
+fn threads_change_nothing() {
+    use bvh_build::{BuildConfig, SplitMethod, build};
+
+    let pools = [1, 2, 5].map(|n| rayon::ThreadPoolBuilder::new().num_threads(n).build().expect("threads can start"));
+    let mut cases = crate::scenes::hard_cases();
+    // Large enough for every pass that is done in parallel.
+    cases.push(("uniform, large".to_owned(), crate::scenes::uniform(140_000, 1)));
+    for (name, bounds) in cases {
+        for method in SplitMethod::ALL {
+            let config = BuildConfig::new(method);
+            let [one, two, five] =
+                pools.each_ref().map(|pool| bits(&pool.install(|| build(&bounds, &config).expect("valid"))));
+            assert!(one == two && one == five, "{name}, {}", method.name());
+        }
+    }
+}
+
+/// Tied to no thread count and no feature: the tests run with and without `parallel`, and find the same digests. A
+/// change of these numbers changes every stored tree; where it is meant, write the new ones here.
+#[test]
+fn the_bytes_of_a_tree_are_known() {
+    use bvh_build::{BuildConfig, SplitMethod, build};
+
+    let bounds = crate::scenes::uniform(10_000, 1);
+    let digests = SplitMethod::ALL.map(|method| {
+        let tree = build(&bounds, &BuildConfig::new(method)).expect("valid");
+        // FNV-1a over words.
+        bits(&tree)
+            .iter()
+            .fold(0xcbf2_9ce4_8422_2325_u64, |hash, &word| (hash ^ u64::from(word)).wrapping_mul(0x0000_0100_0000_01b3))
+    });
+    let known = [0xcd32_9ab1_9452_6a82, 0xac87_d6b8_66e4_b6c3, 0x2f7d_fbfd_586d_d2af, 0x4a30_2862_0cd3_5758];
+    assert_eq!(digests, known, "{digests:#018x?}");
+}

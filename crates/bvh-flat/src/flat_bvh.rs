@@ -1,0 +1,67 @@
+//! The flattened tree.
+
+use geometry::Bounds3;
+
+use crate::{InvalidBvh, LinearBvhNode, validate::validate};
+
+/// The deepest tree there is, in nodes on a path: traversal stacks are sized by it.
+pub const MAX_DEPTH: usize = 96;
+
+/// A bounding volume hierarchy in one array: depth first, the first child next to its parent, and the order of the
+/// primitives into which the leaves' ranges point.
+///
+/// Valid by construction (see [`from_parts`](Self::from_parts)), so traversal need not check. A tree without nodes is
+/// met by no ray.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FlatBvh {
+    nodes: Vec<LinearBvhNode>,
+    order: Vec<u32>,
+    primitive_count: u32,
+}
+
+impl FlatBvh {
+    /// A tree from its arrays: the nodes, the primitive that stands at each place of the order, and how many primitives
+    /// there are, counting those that no leaf has.
+    ///
+    /// # Errors
+    /// [`InvalidBvh`], unless: each node but the first is the child of exactly one node before it, and all are reached;
+    /// the leaves' ranges tile the order from front to back, none empty; the order names primitives below
+    /// `primitive_count`, none twice; all boxes are [valid](Bounds3::is_valid) and lie in their parent's; no path is
+    /// longer than [`MAX_DEPTH`]; axes are below 3 and padding is zero.
+    pub fn from_parts(nodes: Vec<LinearBvhNode>, order: Vec<u32>, primitive_count: u32) -> Result<Self, InvalidBvh> {
+        validate(&nodes, &order, primitive_count)?;
+        Ok(Self { nodes, order, primitive_count })
+    }
+
+    /// A tree whose maker upholds what [`from_parts`](Self::from_parts) checks.
+    #[cfg(feature = "build")]
+    pub(crate) fn from_valid_parts(nodes: Vec<LinearBvhNode>, order: Vec<u32>, primitive_count: u32) -> Self {
+        debug_assert_eq!(validate(&nodes, &order, primitive_count), Ok(()));
+        Self { nodes, order, primitive_count }
+    }
+
+    /// The nodes, the root first.
+    pub fn nodes(&self) -> &[LinearBvhNode] {
+        &self.nodes
+    }
+
+    /// The primitive at each place of the order.
+    pub fn order(&self) -> &[u32] {
+        &self.order
+    }
+
+    /// How many primitives the tree was built over, counting the inactive.
+    pub fn primitive_count(&self) -> u32 {
+        self.primitive_count
+    }
+
+    /// The box around everything; empty for an empty tree.
+    pub fn bounds(&self) -> Bounds3 {
+        self.nodes.first().map_or(Bounds3::EMPTY, LinearBvhNode::bounds)
+    }
+
+    /// The memory of nodes and order, in bytes.
+    pub fn memory(&self) -> usize {
+        size_of_val(self.nodes.as_slice()) + size_of_val(self.order.as_slice())
+    }
+}

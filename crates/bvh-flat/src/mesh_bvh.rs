@@ -1,0 +1,141 @@
+//! A triangle mesh with its tree.
+
+use std::ops::{ControlFlow, Range};
+use std::sync::Arc;
+
+use geometry::glam::Vec3;
+use geometry::{
+    Bounds3, Hit, HitVisitor, Interval, Shape, SurfacePoint, TraversalRay, TriangleMesh, Visit, Work,
+    intersect_triangle,
+};
+
+#[cfg(feature = "build")]
+use crate::{BuildConfig, BuildError, BuildObserver};
+use crate::{FlatBvh, InvalidBvh};
+
+/// A triangle mesh with a tree over its triangles: a [`Shape`] whose primitives are the mesh's triangles, under their own
+/// numbers. Every answer is the same, bit for bit, as that of the mesh alone, whatever the tree.
+#[derive(Clone, Debug)]
+pub struct MeshBvh {
+    mesh: Arc<TriangleMesh>,
+    bvh: FlatBvh,
+    /// The vertices of the triangle at each place of the order, so that a leaf reads memory in one piece.
+    ordered_vertices: Vec<[Vec3; 3]>,
+}
+
+impl MeshBvh {
+    /// Builds a tree over `mesh`.
+    ///
+    /// # Errors
+    /// [`BuildError`] for a configuration that the builder refuses.
+    #[cfg(feature = "build")]
+    pub fn build(mesh: impl Into<Arc<TriangleMesh>>, config: &BuildConfig) -> Result<Self, BuildError> {
+        Self::build_observed(mesh, config, &())
+    }
+
+    /// Builds a tree over `mesh`, telling `observer` of each phase.
+    ///
+    /// # Errors
+    /// As [`build`](Self::build).
+    #[cfg(feature = "build")]
+    pub fn build_observed(
+        mesh: impl Into<Arc<TriangleMesh>>,
+        config: &BuildConfig,
+        observer: &dyn BuildObserver,
+    ) -> Result<Self, BuildError> {
+        let mesh = mesh.into();
+        let bounds: Vec<Bounds3> = (0..mesh.len()).map(|i| mesh.triangle_bounds(i)).collect();
+        let bvh = FlatBvh::build(&bounds, config, observer)?;
+        Ok(Self::assemble(mesh, bvh))
+    }
+
+    /// Joins a mesh and a tree over its triangles' bounds.
+    ///
+    /// # Errors
+    /// [`InvalidBvh::Geometry`] where the tree does not fit the mesh: not built over as many primitives, a leaf that does
+    /// not contain its triangles, or an active triangle that no leaf has.
+    pub fn from_parts(mesh: impl Into<Arc<TriangleMesh>>, bvh: FlatBvh) -> Result<Self, InvalidBvh> {
+        let mesh = mesh.into();
+        bvh.validate_against(mesh.len(), |i| mesh.triangle_bounds(i))?;
+        Ok(Self::assemble(mesh, bvh))
+    }
+
+    fn assemble(mesh: Arc<TriangleMesh>, bvh: FlatBvh) -> Self {
+        let ordered_vertices = bvh.order().iter().map(|&i| mesh.vertices(i as usize)).collect();
+        Self { mesh, bvh, ordered_vertices }
+    }
+
+    /// The mesh.
+    pub fn mesh(&self) -> &Arc<TriangleMesh> {
+        &self.mesh
+    }
+
+    /// The tree.
+    pub fn bvh(&self) -> &FlatBvh {
+        &self.bvh
+    }
+
+    /// What is kept beside the mesh itself, in bytes.
+    pub fn memory(&self) -> usize {
+        self.bvh.memory() + size_of_val(self.ordered_vertices.as_slice())
+    }
+
+    #[inline]
+    fn intersect_place(&self, place: usize, ray: &TraversalRay, interval: Interval) -> Option<Hit> {
+        let h = intersect_triangle(ray, &self.ordered_vertices[place], interval)?;
+        Some(Hit { t: h.t, u: h.u, v: h.v, primitive: u64::from(self.bvh.order()[place]) })
+    }
+
+    #[inline]
+    fn intersect_range(&self, range: Range<usize>, ray: &TraversalRay, mut interval: Interval) -> Option<Hit> {
+        let mut closest: Option<Hit> = None;
+        for place in range {
+            if let Some(hit) = self.intersect_place(place, ray, interval)
+                && closest.as_ref().is_none_or(|best| hit.is_before(best))
+            {
+                interval = interval.with_t_max(hit.t_max_for_ties());
+                closest = Some(hit);
+            }
+        }
+        closest
+    }
+}
+
+impl Shape for MeshBvh {
+    fn object_bound(&self) -> Bounds3 {
+        self.bvh.bounds()
+    }
+
+    fn primitive_count(&self) -> u64 {
+        self.mesh.primitive_count()
+    }
+
+    fn visit_hits(&self, ray: &TraversalRay, interval: Interval, visitor: &mut dyn HitVisitor) -> Visit {
+        let mut tested = 0_u64;
+        let visit = self.bvh.visit_hits(ray, interval, visitor, |range, mut interval, visitor| {
+            for place in range {
+                tested += 1;
+                if let Some(hit) = self.intersect_place(place, ray, interval) {
+                    interval = interval.with_t_max(visitor.hit(hit)?);
+                }
+            }
+            ControlFlow::Continue(interval.t_max())
+        });
+        visitor.work(Work { nodes: 0, primitives: tested });
+        visit
+    }
+
+    fn intersect(&self, ray: &TraversalRay, interval: Interval) -> Option<Hit> {
+        self.bvh.intersect(ray, interval, |range, interval| self.intersect_range(range, ray, interval))
+    }
+
+    fn intersect_p(&self, ray: &TraversalRay, interval: Interval) -> bool {
+        self.bvh.intersect_p(ray, interval, |mut range, interval| {
+            range.any(|place| self.intersect_place(place, ray, interval).is_some())
+        })
+    }
+
+    fn surface_point(&self, ray: &TraversalRay, hit: &Hit) -> SurfacePoint {
+        self.mesh.surface_point(ray, hit)
+    }
+}

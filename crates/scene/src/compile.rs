@@ -1,0 +1,216 @@
+//! From plain data to something that answers rays.
+
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+use std::sync::Arc;
+
+use bvh_flat::{BuildConfig, BuildError, BuildObserver, BvhAggregate, MeshBvh};
+use geometry::{Bounds3, Hit, HitVisitor, Interval, Sphere, TraversalRay, TriangleMesh, Visit};
+use primitive::{GeometricPrimitive, HitKind, Primitive, SurfaceInteraction, TransformedPrimitive};
+
+use crate::{Geometry, Scene, SceneShape};
+
+/// The closed set of what the objects of a scene consist of. An enum, so that a ray is not dispatched through pointers.
+#[derive(Debug)]
+pub enum ScenePrimitive {
+    /// A mesh with its own tree: one primitive of the aggregate around it.
+    Mesh(GeometricPrimitive<Arc<MeshBvh>>),
+    /// A sphere.
+    Sphere(GeometricPrimitive<Sphere>),
+    /// An object, placed.
+    Instance(TransformedPrimitive<Arc<ObjectAggregate>>),
+}
+
+/// A compiled object: its geometries first, then its instances, each in scene order, with a tree over all.
+pub type ObjectAggregate = BvhAggregate<ScenePrimitive>;
+
+macro_rules! each {
+    ($self:expr, $primitive:ident => $body:expr) => {
+        match $self {
+            ScenePrimitive::Mesh($primitive) => $body,
+            ScenePrimitive::Sphere($primitive) => $body,
+            ScenePrimitive::Instance($primitive) => $body,
+        }
+    };
+}
+
+impl Primitive for ScenePrimitive {
+    fn world_bound(&self) -> Bounds3 {
+        each!(self, p => p.world_bound())
+    }
+
+    fn primitive_count(&self) -> u64 {
+        each!(self, p => p.primitive_count())
+    }
+
+    fn visit_hits(&self, ray: &TraversalRay, interval: Interval, kind: HitKind, visitor: &mut dyn HitVisitor) -> Visit {
+        each!(self, p => p.visit_hits(ray, interval, kind, visitor))
+    }
+
+    fn intersect(&self, ray: &TraversalRay, interval: Interval) -> Option<Hit> {
+        each!(self, p => p.intersect(ray, interval))
+    }
+
+    fn intersect_p(&self, ray: &TraversalRay, interval: Interval) -> bool {
+        each!(self, p => p.intersect_p(ray, interval))
+    }
+
+    fn interaction(&self, ray: &TraversalRay, hit: &Hit) -> SurfaceInteraction {
+        each!(self, p => p.interaction(ray, hit))
+    }
+}
+
+/// A scene with its trees: one for each mesh, one for each object.
+///
+/// Its primitives are numbered depth first: the world's geometries in scene order, then its instances, each like a copy
+/// of its object. Of hits at the same `t`, the one with the smaller (instance, geometry, primitive) wins.
+#[derive(Debug)]
+pub struct CompiledScene {
+    scene: Scene,
+    meshes: Vec<Arc<MeshBvh>>,
+    /// As the scene numbers them; the world is the first.
+    objects: Vec<CompiledObject>,
+}
+
+#[derive(Debug)]
+struct CompiledObject {
+    aggregate: Arc<ObjectAggregate>,
+    /// For each instance how many instance paths come before it in this object, itself not counted; behind the last, how
+    /// many there are.
+    paths_before: Vec<u64>,
+}
+
+/// A primitive's name in a scene, as other programs know it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub struct PrimitiveName {
+    /// The instance path, counted depth first in scene order; 0 is the world itself.
+    pub instance: u64,
+    /// The shape, counted in scene order over the whole file.
+    pub geometry: u32,
+    /// The triangle in file order within its mesh; 0 for a sphere.
+    pub primitive: u32,
+}
+
+impl CompiledScene {
+    /// Builds the trees of `scene`: of each mesh once, however many geometries share it.
+    ///
+    /// # Errors
+    /// [`BuildError`] for a configuration that the builder refuses.
+    pub fn build(scene: Scene, config: &BuildConfig, observer: &dyn BuildObserver) -> Result<Self, BuildError> {
+        let mut meshes: HashMap<*const TriangleMesh, Arc<MeshBvh>> = HashMap::new();
+        let mut distinct_meshes = Vec::new();
+        for geometry in scene.geometries() {
+            if let SceneShape::Mesh(mesh) = &geometry.shape
+                && let Entry::Vacant(entry) = meshes.entry(Arc::as_ptr(mesh))
+            {
+                let bvh = Arc::new(MeshBvh::build_observed(Arc::clone(mesh), config, observer)?);
+                distinct_meshes.push(Arc::clone(entry.insert(bvh)));
+            }
+        }
+        let mut objects: Vec<Option<CompiledObject>> = scene.objects().iter().map(|_| None).collect();
+        for index in order_of_need(&scene) {
+            let object = &scene.objects()[index];
+            let geometries = object.geometries.iter().map(|&number| {
+                let Geometry { shape, surface, media } = &scene.geometries()[number as usize];
+                match shape {
+                    SceneShape::Sphere(sphere) => {
+                        ScenePrimitive::Sphere(GeometricPrimitive::new(*sphere, *surface, *media))
+                    }
+                    SceneShape::Mesh(mesh) => {
+                        let bvh = Arc::clone(&meshes[&Arc::as_ptr(mesh)]);
+                        ScenePrimitive::Mesh(GeometricPrimitive::new(bvh, *surface, *media))
+                    }
+                }
+            });
+            let mut members: Vec<ScenePrimitive> = geometries.collect();
+            let mut paths_before = vec![0];
+            for (i, instance) in object.instances.iter().enumerate() {
+                if let Some(inner) = &objects[instance.object.index()] {
+                    let placed = TransformedPrimitive::new(Arc::clone(&inner.aggregate), instance.placement.clone());
+                    members.push(ScenePrimitive::Instance(placed));
+                    paths_before.push(paths_before[i] + 1 + inner.path_count());
+                }
+            }
+            let aggregate = Arc::new(BvhAggregate::build_observed(members, config, observer)?);
+            objects[index] = Some(CompiledObject { aggregate, paths_before });
+        }
+        Ok(Self { scene, meshes: distinct_meshes, objects: objects.into_iter().flatten().collect() })
+    }
+
+    /// The aggregate over the whole scene, in world space.
+    pub fn world(&self) -> &ObjectAggregate {
+        &self.objects[0].aggregate
+    }
+
+    /// The trees over meshes, each once.
+    pub fn meshes(&self) -> &[Arc<MeshBvh>] {
+        &self.meshes
+    }
+
+    /// The trees over objects, as the scene numbers them.
+    pub fn objects(&self) -> impl Iterator<Item = &ObjectAggregate> {
+        self.objects.iter().map(|object| &*object.aggregate)
+    }
+
+    /// The scene's data.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// What is kept beside the scene's own data, in bytes: the trees, and what their members are.
+    pub fn memory(&self) -> usize {
+        let meshes: usize = self.meshes.iter().map(|mesh| mesh.memory()).sum();
+        let objects = self.objects().map(|object| object.bvh().memory() + size_of_val(object.list().members()));
+        meshes + objects.sum::<usize>()
+    }
+
+    /// How many instance paths there are; the world itself not counted.
+    pub fn path_count(&self) -> u64 {
+        self.objects[0].path_count()
+    }
+
+    /// The name of the primitive of a hit of [`world`](Self::world).
+    pub fn name(&self, hit: &Hit) -> PrimitiveName {
+        let mut name = PrimitiveName::default();
+        let (mut index, mut hit) = (0, *hit);
+        loop {
+            let object = &self.scene.objects()[index];
+            let compiled = &self.objects[index];
+            let (member, inner) = compiled.aggregate.list().member_of(&hit);
+            hit = inner;
+            let Some(instance) = member.checked_sub(object.geometries.len()) else {
+                name.geometry = object.geometries[member];
+                name.primitive = hit.primitive as u32;
+                return name;
+            };
+            name.instance += 1 + compiled.paths_before[instance];
+            index = object.instances[instance].object.index();
+        }
+    }
+}
+
+impl CompiledObject {
+    fn path_count(&self) -> u64 {
+        self.paths_before[self.paths_before.len() - 1]
+    }
+}
+
+/// The objects such that each comes behind those that it instances; every object, the world last.
+fn order_of_need(scene: &Scene) -> Vec<usize> {
+    let objects = scene.objects();
+    let mut order = Vec::with_capacity(objects.len());
+    let mut entered = vec![false; objects.len()];
+    // Depth first without recursion: an object is entered, then its instances, then left. A nesting of any depth.
+    for start in (0..objects.len()).rev() {
+        let mut stack = vec![(start, false)];
+        while let Some((index, leave)) = stack.pop() {
+            if leave {
+                order.push(index);
+            } else if !std::mem::replace(&mut entered[index], true) {
+                stack.push((index, true));
+                stack.extend(objects[index].instances.iter().map(|i| (i.object.index(), false)));
+            }
+        }
+    }
+    order
+}

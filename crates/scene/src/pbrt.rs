@@ -1,6 +1,0 @@
-//! Loading pbrt.
-use crate::{LoadError, Scene};
-use std::path::Path;
-pub(crate) fn load(_path: &Path) -> Result<Scene, LoadError> {
-    Ok(Scene::default())
-}

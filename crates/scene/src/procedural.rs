@@ -1,7 +1,0 @@
-//! Procedural scenes.
-/// x
-#[derive(Debug)]
-pub struct BuiltIn;
-/// x
-#[derive(Debug)]
-pub struct BuiltInError;

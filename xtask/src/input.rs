@@ -1,0 +1,95 @@
+//! What commands have in common: scenes and split methods as the command line names them.
+
+use std::path::PathBuf;
+
+use anyhow::Result;
+use bvh_flat::{BuildConfig, SplitMethod};
+use clap::ValueEnum;
+use scene::{BuiltIn, Camera, CompiledScene, Scene};
+
+/// The seed of everything that is random: the same scene and the same rays on every machine.
+pub const SEED: u64 = 42;
+
+/// A scene, as the command line names it.
+#[derive(Clone, Debug)]
+pub enum SceneSource {
+    BuiltIn(BuiltIn),
+    File(PathBuf),
+}
+
+impl SceneSource {
+    /// Parses `builtin:NAME` or a path; whether the path is there, the loader says.
+    pub fn parse(text: &str) -> Result<Self, String> {
+        match text.strip_prefix("builtin:") {
+            Some(name) => BuiltIn::parse(name).map(Self::BuiltIn).map_err(|e| e.to_string()),
+            None => Ok(Self::File(PathBuf::from(text))),
+        }
+    }
+
+    /// The scene's name in tables.
+    pub fn name(&self) -> String {
+        match self {
+            Self::BuiltIn(built_in) => format!("builtin:{built_in}"),
+            Self::File(path) => path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned(),
+        }
+    }
+
+    /// Loads or makes the scene, and prints its warnings.
+    pub fn load(&self) -> Result<Scene> {
+        let scene = match self {
+            Self::BuiltIn(built_in) => built_in.scene(SEED)?,
+            Self::File(path) => scene::load(path)?,
+        };
+        for warning in &scene.warnings {
+            eprintln!("warning: {}: {warning}", self.name());
+        }
+        Ok(scene)
+    }
+}
+
+/// The help text of a SCENE argument.
+pub const SCENE_HELP: &str = "\
+A .ply, .obj, .gltf, .glb, .stl or .pbrt file, or one of builtin:stadium, builtin:terrain[:TRIANGLES], \
+builtin:hairball[:TRIANGLES], with TRIANGLES such as 100k or 10M";
+
+/// The split methods of the builder, as the command line names them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum SplitMethodName {
+    /// Surface area heuristic, 12 buckets: the best trees
+    Sah,
+    /// Morton codes, treelets, SAH above: the fastest builds
+    Hlbvh,
+    /// The middle of the centroids' extent
+    Middle,
+    /// Half of the primitives on each side
+    EqualCounts,
+}
+
+impl SplitMethodName {
+    pub fn method(self) -> SplitMethod {
+        match self {
+            Self::Sah => SplitMethod::Sah,
+            Self::Hlbvh => SplitMethod::Hlbvh,
+            Self::Middle => SplitMethod::Middle,
+            Self::EqualCounts => SplitMethod::EqualCounts,
+        }
+    }
+}
+
+/// Loads a scene and builds its trees.
+pub fn compile(source: &SceneSource, method: SplitMethod) -> Result<CompiledScene> {
+    Ok(CompiledScene::build(source.load()?, &BuildConfig::new(method), &())?)
+}
+
+/// The camera of the command line, else that of the scene, else a view from outside.
+pub fn camera(compiled: &CompiledScene, wanted: Option<&str>) -> Result<Camera> {
+    let own = compiled.scene().camera;
+    let base = own.unwrap_or_else(|| {
+        use bvh_flat::primitive::Primitive;
+        Camera::looking_at_bounds(&compiled.world().world_bound())
+    });
+    match wanted {
+        Some(text) => Ok(base.with_settings(text)?),
+        None => Ok(base),
+    }
+}

@@ -1,0 +1,72 @@
+//! Clocks: the only place of the workspace that reads one.
+
+use std::collections::BTreeMap;
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
+
+use bvh_flat::bvh_build::{BuildObserver, Phase, TreeStatistics};
+
+/// Times the phases of builds, and keeps the statistics of the trees they made.
+#[derive(Default)]
+pub struct BuildClock {
+    state: Mutex<BuildState>,
+}
+
+#[derive(Default)]
+struct BuildState {
+    running: BTreeMap<String, Instant>,
+    phases: BTreeMap<String, Duration>,
+    trees: Vec<TreeStatistics>,
+}
+
+impl BuildClock {
+    /// The time spent in each phase, summed over all trees.
+    pub fn phases(&self) -> BTreeMap<String, Duration> {
+        self.with(|state| state.phases.clone())
+    }
+
+    /// The statistics of each tree built.
+    pub fn trees(&self) -> Vec<TreeStatistics> {
+        self.with(|state| state.trees.clone())
+    }
+
+    fn with<T>(&self, f: impl FnOnce(&mut BuildState) -> T) -> T {
+        f(&mut self.state.lock().unwrap_or_else(std::sync::PoisonError::into_inner))
+    }
+}
+
+/// A phase's name in results.
+fn name(phase: Phase) -> String {
+    format!("{phase:?}")
+}
+
+impl BuildObserver for BuildClock {
+    fn begin(&self, phase: Phase) {
+        self.with(|state| state.running.insert(name(phase), Instant::now()));
+    }
+
+    fn end(&self, phase: Phase) {
+        self.with(|state| {
+            if let Some(begun) = state.running.remove(&name(phase)) {
+                *state.phases.entry(name(phase)).or_default() += begun.elapsed();
+            }
+        });
+    }
+
+    fn built(&self, statistics: &TreeStatistics) {
+        self.with(|state| state.trees.push(*statistics));
+    }
+}
+
+/// How long `f` takes, and what it gives.
+pub fn timed<T>(f: impl FnOnce() -> T) -> (Duration, T) {
+    let begun = Instant::now();
+    let value = f();
+    (begun.elapsed(), value)
+}
+
+/// The median of some durations; zero of none.
+pub fn median(mut durations: Vec<Duration>) -> Duration {
+    durations.sort();
+    durations.get(durations.len() / 2).copied().unwrap_or_default()
+}

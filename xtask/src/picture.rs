@@ -1,0 +1,45 @@
+//! Pictures: from pixels to a file, and from numbers to colours.
+
+use std::path::Path;
+
+use anyhow::{Context, Result};
+
+/// Writes 8-bit RGB pixels, row by row from the top, as a PNG.
+pub fn write_png(path: &Path, width: u32, height: u32, pixels: &[[u8; 3]]) -> Result<()> {
+    let file = std::fs::File::create(path).with_context(|| format!("{}: cannot be written", path.display()))?;
+    let mut encoder = png::Encoder::new(std::io::BufWriter::new(file), width, height);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(pixels.as_flattened())?;
+    writer.finish().with_context(|| format!("{}: cannot be written", path.display()))
+}
+
+/// A linear colour as 8-bit sRGB.
+pub fn srgb(linear: [f32; 3]) -> [u8; 3] {
+    linear.map(|x| {
+        let x = x.clamp(0.0, 1.0);
+        let encoded = if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 };
+        (255.0 * encoded + 0.5) as u8
+    })
+}
+
+/// A value in [0, 1] as a colour from dark violet over magenta and orange to light yellow: monotone in lightness, told
+/// apart by colour-blind readers. Stops of the map "inferno" (van der Walt and Smith), already in sRGB.
+pub fn heat(value: f32) -> [u8; 3] {
+    const STOPS: [[f32; 3]; 9] = [
+        [0.0, 0.0, 4.0],
+        [31.0, 12.0, 72.0],
+        [85.0, 15.0, 109.0],
+        [136.0, 34.0, 106.0],
+        [186.0, 54.0, 85.0],
+        [227.0, 89.0, 51.0],
+        [249.0, 140.0, 10.0],
+        [249.0, 201.0, 50.0],
+        [252.0, 255.0, 164.0],
+    ];
+    let x = value.clamp(0.0, 1.0) * (STOPS.len() - 1) as f32;
+    let i = (x as usize).min(STOPS.len() - 2);
+    let f = x - i as f32;
+    [0, 1, 2].map(|c| (STOPS[i][c] * (1.0 - f) + STOPS[i + 1][c] * f + 0.5) as u8)
+}

@@ -1,0 +1,51 @@
+//! `xtask sweep`: the main job. Every split method, every kind of ray, what each costs.
+
+mod report;
+mod run;
+
+use std::path::PathBuf;
+
+use anyhow::{Context, Result};
+use clap::Args;
+
+use crate::input::{SCENE_HELP, SceneSource, SplitMethodName};
+
+#[derive(Args)]
+pub struct Arguments {
+    #[arg(help = SCENE_HELP, value_name = "SCENE", value_parser = SceneSource::parse, default_value = "builtin:stadium")]
+    scenes: Vec<SceneSource>,
+    /// The split methods to build with; all by default
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "METHOD")]
+    split_method: Vec<SplitMethodName>,
+    /// Rays of each kind, at most
+    #[arg(long, default_value_t = 1 << 16, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 24))]
+    rays: u32,
+    /// Timed rounds; each goes through all methods in turn, and the median counts
+    #[arg(long, default_value_t = 3, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    rounds: u32,
+    /// Threads that build; rays are always traced by one
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    threads: Option<u32>,
+    /// Where results.jsonl goes
+    #[arg(long, default_value = "target/sweep/latest", value_name = "DIR")]
+    out: PathBuf,
+}
+
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(arguments.threads.unwrap_or(0) as usize).build()?;
+    let mut sweeps = Vec::new();
+    for source in &arguments.scenes {
+        let sweep = run::sweep(arguments, source, &pool)?;
+        report::print(&sweep, pool.current_num_threads());
+        sweeps.push(sweep);
+    }
+    if sweeps.len() > 1 {
+        report::print_growth(&sweeps);
+    }
+    let path = arguments.out.join("results.jsonl");
+    std::fs::create_dir_all(&arguments.out)
+        .and_then(|()| std::fs::write(&path, report::json_lines(&sweeps)))
+        .with_context(|| format!("{}: cannot be written", path.display()))?;
+    println!("results  {}", path.display());
+    run::check_agreement(&sweeps)
+}

@@ -1,0 +1,175 @@
+//! The commands as a person runs them: what they print, what they write, how they end.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn xtask(arguments: &[&str], directory: &Path) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_xtask")).args(arguments).current_dir(directory).output().expect("xtask starts")
+}
+
+/// The exit code, and what was said.
+fn run(arguments: &[&str], directory: &Path) -> (i32, String) {
+    let output = xtask(arguments, directory);
+    let text = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
+    assert!(!text.contains("panicked"), "{arguments:?}: {text}");
+    (output.status.code().expect("no signal"), text)
+}
+
+fn directory() -> tempfile::TempDir {
+    tempfile::tempdir().expect("a directory for the test")
+}
+
+/// Two triangles of a square in the plane z = 0.
+fn square(directory: &Path) -> PathBuf {
+    let path = directory.join("square.obj");
+    std::fs::write(&path, "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n").expect("written");
+    path
+}
+
+fn write_rays(path: &Path, rays: &[[f32; 8]]) {
+    let bytes: Vec<u8> = rays.as_flattened().iter().flat_map(|x| x.to_le_bytes()).collect();
+    std::fs::write(path, bytes).expect("written");
+}
+
+const RAYS: [[f32; 8]; 6] = [
+    [0.75, 0.25, 2.0, 0.0, 0.0, 0.0, -1.0, f32::INFINITY],
+    [0.25, 0.75, 2.0, 0.0, 0.0, 0.0, -2.0, f32::INFINITY],
+    [5.0, 5.0, 2.0, 0.0, 0.0, 0.0, -1.0, f32::INFINITY],
+    [0.75, 0.25, 2.0, 0.0, 0.0, 0.0, -1.0, 1.5],
+    [f32::NAN, 0.25, 2.0, 0.0, 0.0, 0.0, -1.0, 9.0],
+    [0.75, 0.25, 2.0, 0.0, 0.0, 0.0, 0.0, 9.0],
+];
+
+/// The records of a structured .npy file: 24 bytes each behind the header.
+fn records(path: &Path) -> Vec<(f32, u32, u32, u32, f32, f32)> {
+    let bytes = std::fs::read(path).expect("the hits are there");
+    assert_eq!(&bytes[..6], b"\x93NUMPY");
+    let header = 10 + usize::from(u16::from_le_bytes([bytes[8], bytes[9]]));
+    let text = String::from_utf8_lossy(&bytes[10..header]).into_owned();
+    for field in ["'t'", "'instance'", "'geometry'", "'primitive'", "'u'", "'v'", "'<f4'", "'<u4'"] {
+        assert!(text.contains(field), "{text}");
+    }
+    let word = |r: &[u8], i: usize| [r[4 * i], r[4 * i + 1], r[4 * i + 2], r[4 * i + 3]];
+    let float = |r: &[u8], i| f32::from_le_bytes(word(r, i));
+    let int = |r: &[u8], i| u32::from_le_bytes(word(r, i));
+    bytes[header..]
+        .chunks_exact(24)
+        .map(|r| (float(r, 0), int(r, 1), int(r, 2), int(r, 3), float(r, 4), float(r, 5)))
+        .collect()
+}
+
+#[test]
+fn trace_writes_hits_of_a_rays_file() {
+    let folder = directory();
+    square(folder.path());
+    write_rays(&folder.path().join("in.rays"), &RAYS);
+    for method in ["sah", "hlbvh", "middle", "equal-counts"] {
+        let arguments = ["trace", "square.obj", "--rays", "in.rays", "--out", "hits.npy", "--split-method", method];
+        let (code, text) = run(&arguments, folder.path());
+        assert_eq!(code, 0, "{text}");
+        let miss = (f32::INFINITY, 0, 0, u32::MAX, 0.0, 0.0);
+        let expected = [(2.0, 0, 0, 0, 0.5, 0.25), (1.0, 0, 0, 1, 0.25, 0.5), miss, miss, miss, miss];
+        assert_eq!(records(&folder.path().join("hits.npy")), expected);
+    }
+    let (code, _) = run(&["trace", "square.obj", "--rays", "in.rays", "--out", "any.npy", "--any-hit"], folder.path());
+    assert_eq!(code, 0);
+    let any = records(&folder.path().join("any.npy"));
+    assert_eq!(any.iter().map(|r| r.3 != u32::MAX).collect::<Vec<_>>(), [true, true, false, false, false, false]);
+}
+
+#[test]
+fn trace_reads_npy_rays() {
+    let folder = directory();
+    square(folder.path());
+    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+    let mut header = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({}, 8), }}", RAYS.len());
+    while (10 + header.len() + 1) % 64 != 0 {
+        header.push(' ');
+    }
+    header.push('\n');
+    bytes.extend((header.len() as u16).to_le_bytes());
+    bytes.extend(header.as_bytes());
+    bytes.extend(RAYS.as_flattened().iter().flat_map(|x| x.to_le_bytes()));
+    std::fs::write(folder.path().join("in.npy"), bytes).expect("written");
+    let (code, text) = run(&["trace", "square.obj", "--rays", "in.npy", "--out", "hits.npy"], folder.path());
+    assert_eq!(code, 0, "{text}");
+    assert_eq!(records(&folder.path().join("hits.npy"))[1].3, 1);
+}
+
+#[test]
+fn render_draws_every_view() {
+    let folder = directory();
+    for view in ["shaded", "normals", "depth", "visits"] {
+        let out = format!("{view}.png");
+        let arguments = ["render", "--view", view, "-o", &out, "--width", "48", "--height", "30", "--samples", "1"];
+        let (code, text) = run(&arguments, folder.path());
+        assert_eq!(code, 0, "{text}");
+        let png = std::fs::read(folder.path().join(out)).expect("the picture is there");
+        assert_eq!(&png[1..4], b"PNG");
+        assert!(png.len() > 500, "{view}: a picture of one colour");
+    }
+}
+
+#[test]
+fn sweep_prints_its_tables_and_writes_its_results() {
+    let folder = directory();
+    let (code, text) = run(&["sweep", "--rays", "512", "--rounds", "1"], folder.path());
+    assert_eq!(code, 0, "{text}");
+    for word in ["sah", "hlbvh", "middle", "equal-counts", "primary", "shadow", "diffuse", "random", "Mray/s"] {
+        assert!(text.contains(word), "{word} is not in: {text}");
+    }
+    let lines = std::fs::read_to_string(folder.path().join("target/sweep/latest/results.jsonl")).expect("written");
+    assert_eq!(lines.lines().count(), 16);
+    for line in lines.lines() {
+        let value: serde_json::Value = serde_json::from_str(line).expect("JSON");
+        assert!(value["closest_mrays_per_s"].as_f64().is_some_and(|x| x > 0.0));
+        assert!(value["build_ms"].as_f64().is_some_and(|x| x > 0.0));
+    }
+}
+
+/// Exit codes and words for what cannot work.
+#[test]
+fn bad_input_is_refused_with_words() {
+    let folder = directory();
+    let here = folder.path();
+    square(here);
+    std::fs::write(here.join("short.rays"), [0_u8; 33]).expect("written");
+    std::fs::write(here.join("cut.ply"), "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n")
+        .expect("written");
+    std::fs::write(here.join("index.obj"), "v 0 0 0\nv 1 0 0\nf 1 2 7\n").expect("written");
+    std::fs::write(here.join("flat.pbrt"), "WorldBegin\nScale 1 0 1\nShape \"sphere\"\n").expect("written");
+    std::fs::write(here.join("notes.txt"), "hello").expect("written");
+    let cases: [(&[&str], i32, &str); 15] = [
+        (&["sweep", "missing.ply"], 1, "missing.ply: cannot be read"),
+        (&["render", "."], 1, "is a directory"),
+        (&["sweep", "cut.ply"], 1, "cut.ply"),
+        (&["sweep", "index.obj"], 1, "index.obj"),
+        (&["sweep", "flat.pbrt"], 1, "line 2"),
+        (&["sweep", "notes.txt"], 1, "no scene format"),
+        (&["sweep", "builtin:nothing"], 2, "stadium"),
+        (&["sweep", "builtin:terrain:many"], 2, "terrain"),
+        (&["trace", "square.obj", "--rays", "short.rays", "--out", "x.npy"], 1, "short.rays"),
+        (&["trace", "square.obj", "--rays", "missing.rays", "--out", "x.npy"], 1, "missing.rays"),
+        (&["trace", "square.obj", "--rays", "square.obj", "--out", "x.npy"], 1, "square.obj"),
+        (&["render", "square.obj", "--camera", "eye=1,2"], 1, "eye"),
+        (&["render", "square.obj", "-o", "no/such/place.png", "--width", "8", "--height", "8"], 1, "place.png"),
+        (&["render", "--view", "beautiful"], 2, "shaded"),
+        (&["polish"], 2, "polish"),
+    ];
+    for (arguments, expected, words) in cases {
+        let (code, text) = run(arguments, here);
+        assert_eq!(code, expected, "{arguments:?}: {text}");
+        assert!(text.contains(words), "{arguments:?} does not say \"{words}\": {text}");
+    }
+}
+
+#[test]
+fn help_is_there_for_every_command() {
+    let folder = directory();
+    for command in ["sweep", "render", "trace"] {
+        let (code, text) = run(&[command, "--help"], folder.path());
+        assert_eq!(code, 0);
+        assert!(text.contains("Usage: cargo xtask") && text.contains("builtin:stadium"), "{text}");
+    }
+    assert_eq!(run(&[], folder.path()).0, 2);
+}
