@@ -77,7 +77,7 @@ fn nested_instances_in_trees_answer_as_lists_do() {
         assert_eq!(world.primitive_count(), naive.primitive_count());
         let bounds = world.world_bound();
         let mut hits = 0;
-        for _ in 0..2_000 {
+        for _ in 0..10_000 {
             let ray = Ray::new(random.point_in(&bounds), random.vector());
             let ray = TraversalRay::new(&ray).expect("valid");
             let hit = world.intersect(&ray, Interval::FULL);

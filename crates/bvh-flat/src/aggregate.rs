@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use geometry::{Bounds3, Hit, HitVisitor, Interval, MappedVisitor, TraversalRay, Visit};
+use geometry::{Bounds3, Hit, HitVisitor, Interval, MappedVisitor, TraversalRay, Visit, Watertight};
 use primitive::{HitKind, Primitive, PrimitiveList, SurfaceInteraction};
 
 #[cfg(feature = "build")]
@@ -81,7 +81,7 @@ impl<P: Primitive> Primitive for BvhAggregate<P> {
     }
 
     fn visit_hits(&self, ray: &TraversalRay, interval: Interval, kind: HitKind, visitor: &mut dyn HitVisitor) -> Visit {
-        self.bvh.visit_hits(ray, interval, visitor, |range, mut interval, visitor| {
+        self.bvh.visit_hits::<Watertight>(ray, interval, visitor, |range, mut interval, visitor| {
             for place in range {
                 let (member, first) = self.member(place);
                 let mut mapped = MappedVisitor::new(visitor, |hit| hit.offset_by(first));
@@ -92,7 +92,7 @@ impl<P: Primitive> Primitive for BvhAggregate<P> {
     }
 
     fn intersect(&self, ray: &TraversalRay, interval: Interval) -> Option<Hit> {
-        self.bvh.intersect(ray, interval, |range, mut interval| {
+        self.bvh.intersect::<Watertight>(ray, interval, |range, mut interval| {
             let mut closest: Option<Hit> = None;
             for place in range {
                 let (member, first) = self.member(place);
@@ -108,7 +108,7 @@ impl<P: Primitive> Primitive for BvhAggregate<P> {
     }
 
     fn intersect_p(&self, ray: &TraversalRay, interval: Interval) -> bool {
-        self.bvh.intersect_p(ray, interval, |mut range, interval| {
+        self.bvh.intersect_p::<Watertight>(ray, interval, |mut range, interval| {
             range.any(|place| self.member(place).0.intersect_p(ray, interval))
         })
     }

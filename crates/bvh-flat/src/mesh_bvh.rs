@@ -1,12 +1,13 @@
 //! A triangle mesh with its tree.
 
+use std::marker::PhantomData;
 use std::ops::{ControlFlow, Range};
 use std::sync::Arc;
 
 use geometry::glam::Vec3;
 use geometry::{
-    Bounds3, Hit, HitVisitor, Interval, Shape, SurfacePoint, TraversalRay, TriangleMesh, Visit, Work,
-    intersect_triangle,
+    Bounds3, Hit, HitVisitor, Interval, Kernels, Shape, SurfacePoint, TraversalRay, TriangleMesh, Visit, Watertight,
+    Work,
 };
 
 #[cfg(feature = "build")]
@@ -15,12 +16,15 @@ use crate::{FlatBvh, InvalidBvh};
 
 /// A triangle mesh with a tree over its triangles: a [`Shape`] whose primitives are the mesh's triangles, under their own
 /// numbers. Every answer is the same, bit for bit, as that of the mesh alone, whatever the tree.
+///
+/// That holds for the default kernels. Others are for showing what they lose: [`with_kernels`](Self::with_kernels).
 #[derive(Clone, Debug)]
-pub struct MeshBvh {
+pub struct MeshBvh<K = Watertight> {
     mesh: Arc<TriangleMesh>,
     bvh: FlatBvh,
     /// The vertices of the triangle at each place of the order, so that a leaf reads memory in one piece.
     ordered_vertices: Vec<[Vec3; 3]>,
+    kernels: PhantomData<K>,
 }
 
 impl MeshBvh {
@@ -62,7 +66,16 @@ impl MeshBvh {
 
     fn assemble(mesh: Arc<TriangleMesh>, bvh: FlatBvh) -> Self {
         let ordered_vertices = bvh.order().iter().map(|&i| mesh.vertices(i as usize)).collect();
-        Self { mesh, bvh, ordered_vertices }
+        Self { mesh, bvh, ordered_vertices, kernels: PhantomData }
+    }
+}
+
+impl<K: Kernels> MeshBvh<K> {
+    /// The same mesh and tree, traversed with other kernels.
+    #[must_use]
+    pub fn with_kernels<L: Kernels>(self) -> MeshBvh<L> {
+        let Self { mesh, bvh, ordered_vertices, .. } = self;
+        MeshBvh { mesh, bvh, ordered_vertices, kernels: PhantomData }
     }
 
     /// The mesh.
@@ -82,7 +95,7 @@ impl MeshBvh {
 
     #[inline]
     fn intersect_place(&self, place: usize, ray: &TraversalRay, interval: Interval) -> Option<Hit> {
-        let h = intersect_triangle(ray, &self.ordered_vertices[place], interval)?;
+        let h = K::intersect_triangle(ray, &self.ordered_vertices[place], interval)?;
         Some(Hit { t: h.t, u: h.u, v: h.v, primitive: u64::from(self.bvh.order()[place]) })
     }
 
@@ -101,7 +114,7 @@ impl MeshBvh {
     }
 }
 
-impl Shape for MeshBvh {
+impl<K: Kernels> Shape for MeshBvh<K> {
     fn object_bound(&self) -> Bounds3 {
         self.bvh.bounds()
     }
@@ -112,7 +125,7 @@ impl Shape for MeshBvh {
 
     fn visit_hits(&self, ray: &TraversalRay, interval: Interval, visitor: &mut dyn HitVisitor) -> Visit {
         let mut tested = 0_u64;
-        let visit = self.bvh.visit_hits(ray, interval, visitor, |range, mut interval, visitor| {
+        let visit = self.bvh.visit_hits::<K>(ray, interval, visitor, |range, mut interval, visitor| {
             for place in range {
                 tested += 1;
                 if let Some(hit) = self.intersect_place(place, ray, interval) {
@@ -126,11 +139,11 @@ impl Shape for MeshBvh {
     }
 
     fn intersect(&self, ray: &TraversalRay, interval: Interval) -> Option<Hit> {
-        self.bvh.intersect(ray, interval, |range, interval| self.intersect_range(range, ray, interval))
+        self.bvh.intersect::<K>(ray, interval, |range, interval| self.intersect_range(range, ray, interval))
     }
 
     fn intersect_p(&self, ray: &TraversalRay, interval: Interval) -> bool {
-        self.bvh.intersect_p(ray, interval, |mut range, interval| {
+        self.bvh.intersect_p::<K>(ray, interval, |mut range, interval| {
             range.any(|place| self.intersect_place(place, ray, interval).is_some())
         })
     }

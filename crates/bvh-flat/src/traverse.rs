@@ -2,18 +2,19 @@
 
 use std::ops::{ControlFlow, Range};
 
-use geometry::{Hit, HitVisitor, Interval, TraversalRay, Visit, Work};
+use geometry::{Hit, HitVisitor, Interval, Kernels, TraversalRay, Visit, Work};
 
 use crate::FlatBvh;
 use crate::stack::Stack;
 
 /// The three queries, for whoever stores the primitives: `leaf` is given a range of the primitive order and does with
 /// its primitives what the query says. A node is passed by only where the ray enters its box beyond `t_max`, so that a
-/// hit at exactly the `t` of the closest so far is still found, and the smaller primitive wins whatever the tree.
+/// hit at exactly the `t` of the closest so far is still found, and the smaller primitive wins whatever the tree. The box
+/// test is that of `K`: [`Watertight`](geometry::Watertight), unless the loss of another is to be shown.
 impl FlatBvh {
     /// The closest hit. `leaf` answers with the closest of its range in the interval.
     #[inline]
-    pub fn intersect(
+    pub fn intersect<K: Kernels>(
         &self,
         ray: &TraversalRay,
         interval: Interval,
@@ -21,7 +22,7 @@ impl FlatBvh {
     ) -> Option<Hit> {
         let mut closest: Option<Hit> = None;
         let mut t_max = interval.t_max();
-        let _ = self.traverse(ray, interval, &mut (), |range, interval| {
+        let _ = self.traverse::<K>(ray, interval, &mut (), |range, interval| {
             if let Some(hit) = leaf(range, interval)
                 && closest.as_ref().is_none_or(|best| hit.is_before(best))
             {
@@ -35,13 +36,13 @@ impl FlatBvh {
 
     /// Whether `leaf` answers yes for any range that the ray comes to.
     #[inline]
-    pub fn intersect_p(
+    pub fn intersect_p<K: Kernels>(
         &self,
         ray: &TraversalRay,
         interval: Interval,
         mut leaf: impl FnMut(Range<usize>, Interval) -> bool,
     ) -> bool {
-        self.traverse(ray, interval, &mut (), |range, interval| {
+        self.traverse::<K>(ray, interval, &mut (), |range, interval| {
             if leaf(range, interval) { ControlFlow::Break(()) } else { ControlFlow::Continue(interval.t_max()) }
         })
         .is_break()
@@ -49,7 +50,7 @@ impl FlatBvh {
 
     /// Has `leaf` tell `visitor` of all hits of each range that the ray comes to, nearest first as far as the boxes tell,
     /// and then tells it what that cost.
-    pub fn visit_hits(
+    pub fn visit_hits<K: Kernels>(
         &self,
         ray: &TraversalRay,
         interval: Interval,
@@ -57,7 +58,7 @@ impl FlatBvh {
         mut leaf: impl FnMut(Range<usize>, Interval, &mut dyn HitVisitor) -> Visit,
     ) -> Visit {
         let mut nodes = 0_u64;
-        let visit = self.traverse(ray, interval, &mut nodes, |range, interval| leaf(range, interval, visitor));
+        let visit = self.traverse::<K>(ray, interval, &mut nodes, |range, interval| leaf(range, interval, visitor));
         visitor.work(Work { nodes, primitives: 0 });
         visit
     }
@@ -65,7 +66,7 @@ impl FlatBvh {
     /// Near child first, by the sign of the direction on the axis of the split; both children's boxes are tested at
     /// their parent, and the far one again against the closest hit when its turn comes.
     #[inline]
-    fn traverse(
+    fn traverse<K: Kernels>(
         &self,
         ray: &TraversalRay,
         mut interval: Interval,
@@ -73,7 +74,7 @@ impl FlatBvh {
         mut leaf: impl FnMut(Range<usize>, Interval) -> Visit,
     ) -> Visit {
         let nodes = self.nodes();
-        if interval.is_empty() || nodes.is_empty() || ray.enter(&nodes[0].bounds(), interval).is_none() {
+        if interval.is_empty() || nodes.is_empty() || K::enter(ray, &nodes[0].bounds(), interval).is_none() {
             return ControlFlow::Continue(interval.t_max());
         }
         let negative = ray.direction_is_negative();
@@ -87,8 +88,8 @@ impl FlatBvh {
             } else {
                 let children = (index + 1, node.second_child());
                 let (near, far) = if negative[node.axis()] { (children.1, children.0) } else { children };
-                let near_entry = ray.enter(&nodes[near].bounds(), interval);
-                let far_entry = ray.enter(&nodes[far].bounds(), interval);
+                let near_entry = K::enter(ray, &nodes[near].bounds(), interval);
+                let far_entry = K::enter(ray, &nodes[far].bounds(), interval);
                 match (near_entry, far_entry) {
                     (Some(_), Some(entry)) => {
                         stack.push(far, entry);

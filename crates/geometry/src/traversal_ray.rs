@@ -90,6 +90,11 @@ impl TraversalRay {
         self.ray.time
     }
 
+    /// The reciprocals of the direction, without padding: for the naive kernels only.
+    pub(crate) fn reciprocal(&self) -> Vec3 {
+        self.ray.direction.recip()
+    }
+
     /// For each axis, whether the ray runs towards smaller coordinates: the sign bit of the direction, so that −0.0 is
     /// as consistent as any other value.
     pub fn direction_is_negative(&self) -> [bool; 3] {

@@ -53,8 +53,8 @@ fn read_binary(path: &Path, bytes: &[u8], warnings: &mut Vec<String>) -> Result<
     let (records, _) = body.as_chunks::<TRIANGLE>();
     if (records.len() as u64) < u64::from(count) || count == 0 && !body.is_empty() {
         let reason = format!(
-            "the header of a binary STL says {count} triangles, but {} bytes have room for {}: the file is truncated, or \
-             not STL",
+            "the header of a binary STL says {count} triangles, but {} bytes have room for {}: the file is truncated, \
+             or not STL",
             body.len(),
             records.len()
         );

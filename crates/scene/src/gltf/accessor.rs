@@ -84,7 +84,7 @@ impl<'a> Elements<'a> {
 
     /// The bytes of element `i`, if it is not zero for want of any.
     fn element(&self, i: usize) -> Option<&[u8]> {
-        if let Some(k) = self.replaced.binary_search(&(i as u32)).ok().filter(|_| !self.replaced.is_empty()) {
+        if let Ok(k) = self.replaced.binary_search(&(i as u32)) {
             return self.replacements.get(k * self.size..(k + 1) * self.size);
         }
         self.data.and_then(|(data, stride)| data.get(i * stride..i * stride + self.size))

@@ -18,8 +18,25 @@ fn only_mesh(scene: &Scene) -> &TriangleMesh {
     }
 }
 
-const SQUARE: &str = "# four corners\nmtllib none.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0 1\nv 0 1 .5 0.1 0.2 0.3\nvt 0 0\nvt 1\nvn 0 0 1\n\
-    o first\nusemtl red\nf 1/1/1 2/2/1 3/1/1 4/2/1\ng second\nusemtl light blue\nf -4 -3 -2\ns off\nf 1//1 3//1 4//1 # last\n";
+const SQUARE: &str = "\
+# four corners
+mtllib none.mtl
+v 0 0 0
+v 1 0 0
+v 1 1 0 1
+v 0 1 .5 0.1 0.2 0.3
+vt 0 0
+vt 1
+vn 0 0 1
+o first
+usemtl red
+f 1/1/1 2/2/1 3/1/1 4/2/1
+g second
+usemtl light blue
+f -4 -3 -2
+s off
+f 1//1 3//1 4//1 # last
+";
 
 #[test]
 fn the_whole_file_is_one_mesh_in_file_order() {

@@ -48,9 +48,24 @@ fn error(bytes: &[u8]) -> String {
     read(bytes).expect_err("the file is damaged").to_string()
 }
 
-const SQUARE: &str = "ply\nformat ascii 1.0\ncomment four corners\nelement vertex 4\nproperty float x\nproperty float y\n\
-    property float z\nelement face 2\nproperty list uchar int vertex_indices\nend_header\n\
-    0 0 0\n1 0 0\n1 1 0\n0 1 .5\n3 0 1 2\n3 0 2 3\n";
+const SQUARE: &str = "\
+ply
+format ascii 1.0
+comment four corners
+element vertex 4
+property float x
+property float y
+property float z
+element face 2
+property list uchar int vertex_indices
+end_header
+0 0 0
+1 0 0
+1 1 0
+0 1 .5
+3 0 1 2
+3 0 2 3
+";
 
 /// The same mesh in every encoding, with types, names and extras of all kinds; triangles come from polygons.
 fn variants() -> Vec<Vec<u8>> {
@@ -63,12 +78,31 @@ fn variants() -> Vec<Vec<u8>> {
             ("float64", "uint8", "short", "vertex_indices"),
         ] {
             let mut bytes = format!(
-                "ply\r\nformat {format} 1.0\r\nobj_info x\r\nelement camera 1\r\nproperty double f\r\nproperty list uchar \
-                 short l\r\nelement vertex 5\r\nproperty {coordinate} x\r\nproperty {coordinate} y\r\nproperty uchar red\r\n\
-                 property {coordinate} z\r\nproperty list uchar float extra\r\nproperty float s\r\nproperty float \
-                 t\r\nelement face 3\r\nproperty char flag\r\nproperty list {count} {index} {name}\r\nproperty float \
-                 q\r\nelement edge 0\r\nproperty int a\r\nend_header\r\n"
+                "\
+ply
+format {format} 1.0
+obj_info x
+element camera 1
+property double f
+property list uchar short l
+element vertex 5
+property {coordinate} x
+property {coordinate} y
+property uchar red
+property {coordinate} z
+property list uchar float extra
+property float s
+property float t
+element face 3
+property char flag
+property list {count} {index} {name}
+property float q
+element edge 0
+property int a
+end_header
+"
             )
+            .replace('\n', "\r\n")
             .into_bytes();
             let mut put = |kind: &str, value: f64| {
                 let mut number = match kind {
@@ -125,9 +159,11 @@ fn line_ends_may_be_of_any_kind() {
         assert_eq!(read(SQUARE.replace('\n', end).as_bytes()).expect("valid").0.len(), 2);
     }
     assert_eq!(read(SQUARE.trim_end().as_bytes()).expect("valid").0.len(), 2);
-    // With carriage returns alone, a line feed is data: the first byte of 0x0A0A0A0A.
-    let bytes = b"ply\rformat binary_little_endian 1.0\relement vertex 1\rproperty uchar x\rproperty uchar y\rproperty uchar z\rend_header\r\n\n\n";
-    assert_eq!(read(bytes).expect("valid").0.positions(), [Vec3::splat(10.0)]);
+    // With carriage returns alone, a line feed is data.
+    let header = "ply\nformat binary_little_endian 1.0\nelement vertex 1\nproperty uchar x\nproperty uchar y\n\
+        property uchar z\nend_header\n";
+    let bytes = (header.replace('\n', "\r") + "\n\n\n").into_bytes();
+    assert_eq!(read(&bytes).expect("valid").0.positions(), [Vec3::splat(10.0)]);
     // A comment need not be UTF-8.
     let latin1 = SQUARE.as_bytes().iter().map(|&b| if b == b'u' { 0xfc } else { b }).collect::<Vec<_>>();
     assert!(error(&latin1).contains("line 9: "), "only \"uchar\" is damaged");
@@ -154,7 +190,8 @@ fn coordinates_that_are_not_finite_are_kept_and_warned_of() {
 
 #[test]
 fn no_triangles_is_a_scene() {
-    let file = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n1 2 3";
+    let file = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\n\
+        end_header\n1 2 3";
     for file in [file, "ply\nformat ascii 1.0\nend_header\n"] {
         let (mesh, warnings) = read(file.as_bytes()).expect("valid");
         let scene = Scene::of_mesh(Path::new("test.ply"), mesh, Vec::new(), 0, warnings).expect("one geometry");
@@ -194,8 +231,8 @@ fn errors_name_the_place_and_the_reason() {
         let message = error(SQUARE.replacen(from, to, 1).as_bytes());
         assert!(message.starts_with(&format!("test.ply: {expected}")), "{message}");
     }
-    let header = "ply\nformat binary_big_endian 1.0\nelement vertex 3\nproperty uchar x\nproperty uchar y\nproperty uchar z\n\
-        element face 1\nproperty list int uchar vertex_indices\nend_header\n";
+    let header = "ply\nformat binary_big_endian 1.0\nelement vertex 3\nproperty uchar x\nproperty uchar y\n\
+        property uchar z\nelement face 1\nproperty list int uchar vertex_indices\nend_header\n";
     let file = |body: &[u8]| [header.as_bytes(), body].concat();
     assert!(read(&file(&[0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 0, 3, 0, 1, 2])).is_ok());
     let place = header.len() + 13;

@@ -1,6 +1,7 @@
 use super::*;
 use crate::procedural::meshes;
 use geometry::Transform;
+use geometry::glam::Vec3;
 use primitive::{GeometricPrimitive, MaterialId, MediumInterface, PrimitiveList, Surface, TransformedPrimitive};
 
 fn placed(mesh: geometry::TriangleMesh, at: Transform) -> impl Primitive {

@@ -5,9 +5,19 @@ fn read(bytes: &[u8]) -> Result<(TriangleMesh, Vec<String>), LoadError> {
     parse(Path::new("test.stl"), bytes)
 }
 
-const TEXT: &str = "solid two triangles\n  facet normal 0 0 1\n    outer loop\n      vertex 0 0 0\n      vertex 1.5e+000 0 0\n      \
-    vertex 0 1 0\n    endloop\n  endfacet\nendsolid two triangles\nsolid\nfacet normal -nan(ind) 0 0 outer loop vertex 1 2 3 \
-    vertex nan 5 6 vertex 7 8 inf endloop endfacet endsolid\n";
+const TEXT: &str = "\
+solid two triangles
+  facet normal 0 0 1
+    outer loop
+      vertex 0 0 0
+      vertex 1.5e+000 0 0
+      vertex 0 1 0
+    endloop
+  endfacet
+endsolid two triangles
+solid
+facet normal -nan(ind) 0 0 outer loop vertex 1 2 3 vertex nan 5 6 vertex 7 8 inf endloop endfacet endsolid
+";
 
 /// The positions of [`TEXT`], but for what is not finite.
 fn positions() -> [Vec3; 6] {

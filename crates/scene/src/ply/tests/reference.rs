@@ -51,8 +51,8 @@ fn reads_what_the_reference_reads() {
     for format in ["ascii", "binary_little_endian", "binary_big_endian"] {
         let (vertices, faces) = (50, 40);
         let mut bytes = format!(
-            "ply\nformat {format} 1.0\nelement vertex {vertices}\nproperty float x\nproperty float y\nproperty float z\n\
-             element face {faces}\nproperty list uchar int vertex_indices\nend_header\n"
+            "ply\nformat {format} 1.0\nelement vertex {vertices}\nproperty float x\nproperty float y\n\
+             property float z\nelement face {faces}\nproperty list uchar int vertex_indices\nend_header\n"
         )
         .into_bytes();
         for _ in 0..vertices {
