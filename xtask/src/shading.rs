@@ -18,6 +18,8 @@ pub struct Shading<'a> {
     /// The extinction of every medium, per world unit.
     extinction: f32,
     has_media: bool,
+    /// The colour of each material.
+    albedo: Vec<Vec3>,
 }
 
 impl<'a> Shading<'a> {
@@ -26,6 +28,7 @@ impl<'a> Shading<'a> {
         let size = diagonal(&compiled.world().world_bound());
         let right = view.cross(up).normalize_or(Vec3::X);
         let scene = compiled.scene();
+        let names = scene.names.materials.iter().map(String::as_str).chain([""]);
         Self {
             compiled,
             sun: (0.9 * up.normalize_or(Vec3::Y) - 0.55 * right - 0.45 * view.normalize_or(Vec3::Z)).normalize(),
@@ -33,6 +36,7 @@ impl<'a> Shading<'a> {
             ambient_reach: 0.15 * size,
             extinction: 12.0 / size,
             has_media: scene.geometries().iter().any(|g| g.media.is_transition()),
+            albedo: (0..).zip(names).map(|(index, name)| albedo(index, name)).collect(),
         }
     }
 
@@ -60,7 +64,7 @@ impl<'a> Shading<'a> {
         let facing = n.dot(self.sun).max(0.0);
         let lit = facing > 0.0 && !self.is_blocked(&at.spawn_ray(self.sun), Interval::FULL);
         let sun = if lit { facing * Vec3::new(1.9, 1.75, 1.5) } else { Vec3::ZERO };
-        albedo(material.index()) * (0.75 * ambient + 0.62 * sun)
+        self.albedo[material.index() as usize % self.albedo.len()] * (0.75 * ambient + 0.62 * sun)
     }
 
     fn is_blocked(&self, ray: &Ray, interval: Interval) -> bool {
@@ -104,12 +108,45 @@ pub fn diagonal(bounds: &Bounds3) -> f32 {
     if bounds.is_valid() { bounds.diagonal().length().max(f32::MIN_POSITIVE) } else { 1.0 }
 }
 
-/// A colour for a material: grey for the first, then hues a golden angle apart, neither dark nor loud.
-fn albedo(material: u32) -> Vec3 {
-    if material == 0 {
+/// The colours of words in materials' names: what the built-in scenes are made of, and common words besides.
+const COLOURS: [(&str, [f32; 3]); 26] = [
+    ("grass light", [0.30, 0.46, 0.16]),
+    ("grass", [0.22, 0.38, 0.13]),
+    ("line", [0.85, 0.85, 0.82]),
+    ("porcelain", [0.80, 0.79, 0.74]),
+    ("marble", [0.72, 0.70, 0.66]),
+    ("concrete", [0.46, 0.45, 0.43]),
+    ("copper", [0.72, 0.36, 0.20]),
+    ("gold", [0.80, 0.58, 0.18]),
+    ("steel", [0.42, 0.45, 0.48]),
+    ("mirror", [0.62, 0.68, 0.72]),
+    ("glass", [0.42, 0.66, 0.72]),
+    ("liquid", [0.62, 0.16, 0.14]),
+    ("rubber", [0.07, 0.07, 0.08]),
+    ("carbon", [0.10, 0.11, 0.12]),
+    ("leather", [0.74, 0.34, 0.10]),
+    ("canvas", [0.78, 0.30, 0.22]),
+    ("flag", [0.70, 0.10, 0.12]),
+    ("seat blue", [0.12, 0.25, 0.50]),
+    ("seat white", [0.76, 0.76, 0.74]),
+    ("shirt red", [0.62, 0.10, 0.10]),
+    ("shirt yellow", [0.84, 0.64, 0.12]),
+    ("skin", [0.70, 0.48, 0.36]),
+    ("hair", [0.34, 0.20, 0.11]),
+    ("rock", [0.42, 0.36, 0.30]),
+    ("wood", [0.42, 0.26, 0.13]),
+    ("plastic", [0.55, 0.55, 0.60]),
+];
+
+/// A colour for a material: by a word in its name, else grey for the first and hues a golden angle apart for the others.
+fn albedo(index: u32, name: &str) -> Vec3 {
+    if let Some((_, colour)) = COLOURS.iter().find(|(word, _)| name.contains(word)) {
+        return Vec3::from(*colour);
+    }
+    if index == 0 {
         return Vec3::splat(0.62);
     }
-    let hue = (material as f32 * 0.618_034).fract() * std::f32::consts::TAU;
-    let wave = |shift: f32| 0.5 + 0.27 * (hue + shift).cos();
+    let hue = (index as f32 * 0.618_034).fract() * std::f32::consts::TAU;
+    let wave = |shift: f32| 0.46 + 0.20 * (hue + shift).cos();
     Vec3::new(wave(0.0), wave(-2.094), wave(2.094))
 }
