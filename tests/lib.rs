@@ -1,1 +1,1 @@
-//! Shared support is in `support`; the tests are in `integration.rs`.
+#![doc = include_str!("../README.md")]
