@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use bvh_flat::geometry::{Hit, Interval, Ray, Shape, TraversalRay, TriangleMesh, Visit};
+use bvh_flat::geometry::{ClosestHit, Hit, Interval, Ray, Shape, TraversalRay, TriangleMesh, Visit};
 use bvh_flat::{BuildConfig, MeshBvh, SplitMethod};
 use rayon::prelude::*;
 
@@ -73,5 +73,29 @@ fn all_hits_are_the_same_hits() {
             assert_eq!(hits, all(&*mesh, &ray, interval), "{}", method.name());
         }
         assert!(found > 1_000);
+    }
+}
+
+/// Hits left out by a filter: the tree answers as the list does, and never with what was left out.
+#[test]
+fn filtered_hits_are_the_same() {
+    let mesh = Arc::new(scene::meshes::icosphere(3, |_| 1.0).expect("a mesh"));
+    let odd = |hit: &Hit| hit.primitive % 2 == 1;
+    let filtered = |shape: &dyn Shape, ray: &TraversalRay, interval: Interval| {
+        let mut closest = ClosestHit::among(interval, odd);
+        let _ = shape.visit_hits(ray, interval, &mut closest);
+        closest.hit()
+    };
+    for method in SplitMethod::ALL {
+        let bvh = MeshBvh::build(Arc::clone(&mesh), &BuildConfig::new(method)).expect("the configuration is valid");
+        let mut changed = 0;
+        for (ray, interval) in rays_at(&mesh, &mesh.object_bound(), 1_000, 9) {
+            let Some(ray) = TraversalRay::new(&ray) else { continue };
+            let hit = filtered(&bvh, &ray, interval);
+            assert_eq!(hit, filtered(&*mesh, &ray, interval), "{}", method.name());
+            assert!(hit.is_none_or(|hit| odd(&hit)));
+            changed += usize::from(hit != bvh.intersect(&ray, interval));
+        }
+        assert!(changed > 100);
     }
 }

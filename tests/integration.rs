@@ -4,6 +4,7 @@
 mod agreement;
 mod degenerate;
 mod determinism;
+mod exact;
 mod instancing;
 mod media;
 mod real_scenes;

@@ -1,6 +1,7 @@
 //! The runner of the workspace: `cargo xtask`. Parses the command line, calls the command, turns its end into an exit
 //! code: 0 good, 1 a failure of what was asked, 2 a command line that makes no sense.
 
+mod errors;
 mod input;
 mod measure;
 mod picture;
@@ -10,6 +11,7 @@ mod shading;
 mod sweep;
 mod table;
 mod trace;
+mod verify;
 
 use std::process::ExitCode;
 
@@ -29,6 +31,7 @@ Examples:
   cargo xtask sweep bunny.ply kitchen.ply        the same on scenes of yours
   cargo xtask sweep builtin:terrain:1M           on a generated terrain of a million triangles
   cargo xtask render bunny.ply --view visits -o visits.png
+  cargo xtask verify                             the catalogue of hard cases
   cargo xtask trace bunny.ply --rays engine.rays --out hits.npy";
 
 #[derive(Subcommand)]
@@ -37,6 +40,8 @@ enum Command {
     Sweep(sweep::Arguments),
     /// Draw a scene: its surfaces, or what rays cost in it
     Render(render::Arguments),
+    /// Run the catalogue of hard cases, or compare a scene's answers with the exact ones
+    Verify(verify::Arguments),
     /// Trace rays from a file, from your own engine for instance, and write their hits
     Trace(trace::Arguments),
 }
@@ -45,6 +50,7 @@ fn main() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Sweep(arguments) => sweep::run(&arguments),
         Command::Render(arguments) => render::run(&arguments),
+        Command::Verify(arguments) => verify::run(&arguments),
         Command::Trace(arguments) => trace::run(&arguments),
     };
     match result {

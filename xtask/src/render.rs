@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 use bvh_flat::geometry::glam::Vec3;
-use bvh_flat::geometry::{Interval, TraversalRay};
-use bvh_flat::primitive::{Primitive, intersect_counted};
+use bvh_flat::geometry::{ClosestHit, Hit, Interval, Ray, TraversalRay};
+use bvh_flat::primitive::{HitKind, Primitive};
 use clap::{Args, ValueEnum};
 use indicatif::{ParallelProgressIterator, ProgressBar, ProgressStyle};
 use rayon::prelude::*;
@@ -104,8 +104,11 @@ fn draw(arguments: &Arguments, compiled: &CompiledScene, camera: &Camera, view: 
         }
         View::Visits => {
             let visits = each_pixel(arguments, |x, y| {
-                TraversalRay::new(&middle(view, x, y))
-                    .map_or(0, |ray| intersect_counted(compiled.world(), &ray, Interval::FULL).1.nodes)
+                let mut closest = ClosestHit::new(Interval::FULL);
+                if let Some(ray) = TraversalRay::new(&middle(view, x, y)) {
+                    let _ = compiled.world().visit_hits(&ray, Interval::FULL, HitKind::Material, &mut closest);
+                }
+                closest.work().nodes
             });
             let mut sorted = visits.clone();
             sorted.sort_unstable();
@@ -118,16 +121,11 @@ fn draw(arguments: &Arguments, compiled: &CompiledScene, camera: &Camera, view: 
     }
 }
 
-fn middle(view: &CameraView, x: u32, y: u32) -> bvh_flat::geometry::Ray {
+fn middle(view: &CameraView, x: u32, y: u32) -> Ray {
     view.ray(f64::from(x) + 0.5, f64::from(y) + 0.5, 0.0)
 }
 
-fn through_middle(
-    compiled: &CompiledScene,
-    view: &CameraView,
-    x: u32,
-    y: u32,
-) -> Option<(TraversalRay, bvh_flat::geometry::Hit)> {
+fn through_middle(compiled: &CompiledScene, view: &CameraView, x: u32, y: u32) -> Option<(TraversalRay, Hit)> {
     let ray = TraversalRay::new(&middle(view, x, y))?;
     Some((ray, compiled.world().intersect(&ray, Interval::FULL)?))
 }

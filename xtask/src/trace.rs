@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail, ensure};
-use bvh_flat::geometry::{Hit, HitVisitor, Interval, Ray, TraversalRay, Visit};
+use bvh_flat::geometry::{FirstHit, Hit, Interval, Ray, TraversalRay};
 use bvh_flat::primitive::{HitKind, Primitive};
 use clap::Args;
 use npyz::WriterBuilder;
@@ -76,16 +76,9 @@ fn trace(compiled: &CompiledScene, rays: &[RaySegment], any_hit: bool) -> Result
 
 /// Whichever hit ends an any-hit query.
 fn first_found(primitive: &impl Primitive, ray: &TraversalRay, interval: Interval) -> Option<Hit> {
-    struct First(Option<Hit>);
-    impl HitVisitor for First {
-        fn hit(&mut self, hit: Hit) -> Visit {
-            self.0 = Some(hit);
-            Visit::Break(())
-        }
-    }
-    let mut first = First(None);
+    let mut first = FirstHit::default();
     let _ = primitive.visit_hits(ray, interval, HitKind::Material, &mut first);
-    first.0
+    first.hit()
 }
 
 fn read_rays(path: &Path) -> Result<Vec<RaySegment>> {

@@ -8,6 +8,7 @@
 //! radix sort. It prints nothing, reads no clock, and never panics on input.
 
 mod aggregate;
+mod exact_mesh;
 mod flat_bvh;
 #[cfg(feature = "build")]
 mod flatten;
@@ -22,6 +23,7 @@ pub use aggregate::BvhAggregate;
 pub use bvh_build;
 #[cfg(feature = "build")]
 pub use bvh_build::{BuildConfig, BuildError, BuildObserver, SplitMethod};
+pub use exact_mesh::ExactMesh;
 pub use flat_bvh::{FlatBvh, MAX_DEPTH};
 pub use geometry;
 pub use mesh_bvh::MeshBvh;

@@ -18,13 +18,19 @@ use crate::{FlatBvh, InvalidBvh};
 /// numbers. Every answer is the same, bit for bit, as that of the mesh alone, whatever the tree.
 ///
 /// That holds for the default kernels. Others are for showing what they lose: [`with_kernels`](Self::with_kernels).
+/// A clone shares mesh and tree.
 #[derive(Clone, Debug)]
 pub struct MeshBvh<K = Watertight> {
+    tree: Arc<MeshTree>,
+    kernels: PhantomData<K>,
+}
+
+#[derive(Debug)]
+struct MeshTree {
     mesh: Arc<TriangleMesh>,
     bvh: FlatBvh,
     /// The vertices of the triangle at each place of the order, so that a leaf reads memory in one piece.
     ordered_vertices: Vec<[Vec3; 3]>,
-    kernels: PhantomData<K>,
 }
 
 impl MeshBvh {
@@ -66,37 +72,35 @@ impl MeshBvh {
 
     fn assemble(mesh: Arc<TriangleMesh>, bvh: FlatBvh) -> Self {
         let ordered_vertices = bvh.order().iter().map(|&i| mesh.vertices(i as usize)).collect();
-        Self { mesh, bvh, ordered_vertices, kernels: PhantomData }
+        Self { tree: Arc::new(MeshTree { mesh, bvh, ordered_vertices }), kernels: PhantomData }
     }
 }
 
 impl<K: Kernels> MeshBvh<K> {
     /// The same mesh and tree, traversed with other kernels.
-    #[must_use]
-    pub fn with_kernels<L: Kernels>(self) -> MeshBvh<L> {
-        let Self { mesh, bvh, ordered_vertices, .. } = self;
-        MeshBvh { mesh, bvh, ordered_vertices, kernels: PhantomData }
+    pub fn with_kernels<L: Kernels>(&self) -> MeshBvh<L> {
+        MeshBvh { tree: Arc::clone(&self.tree), kernels: PhantomData }
     }
 
     /// The mesh.
     pub fn mesh(&self) -> &Arc<TriangleMesh> {
-        &self.mesh
+        &self.tree.mesh
     }
 
     /// The tree.
     pub fn bvh(&self) -> &FlatBvh {
-        &self.bvh
+        &self.tree.bvh
     }
 
     /// What is kept beside the mesh itself, in bytes.
     pub fn memory(&self) -> usize {
-        self.bvh.memory() + size_of_val(self.ordered_vertices.as_slice())
+        self.tree.bvh.memory() + size_of_val(self.tree.ordered_vertices.as_slice())
     }
 
     #[inline]
     fn intersect_place(&self, place: usize, ray: &TraversalRay, interval: Interval) -> Option<Hit> {
-        let h = K::intersect_triangle(ray, &self.ordered_vertices[place], interval)?;
-        Some(Hit { t: h.t, u: h.u, v: h.v, primitive: u64::from(self.bvh.order()[place]) })
+        let h = K::intersect_triangle(ray, &self.tree.ordered_vertices[place], interval)?;
+        Some(Hit { t: h.t, u: h.u, v: h.v, primitive: u64::from(self.tree.bvh.order()[place]) })
     }
 
     #[inline]
@@ -116,16 +120,16 @@ impl<K: Kernels> MeshBvh<K> {
 
 impl<K: Kernels> Shape for MeshBvh<K> {
     fn object_bound(&self) -> Bounds3 {
-        self.bvh.bounds()
+        self.tree.bvh.bounds()
     }
 
     fn primitive_count(&self) -> u64 {
-        self.mesh.primitive_count()
+        self.tree.mesh.primitive_count()
     }
 
     fn visit_hits(&self, ray: &TraversalRay, interval: Interval, visitor: &mut dyn HitVisitor) -> Visit {
         let mut tested = 0_u64;
-        let visit = self.bvh.visit_hits::<K>(ray, interval, visitor, |range, mut interval, visitor| {
+        let visit = self.tree.bvh.visit_hits::<K>(ray, interval, visitor, |range, mut interval, visitor| {
             for place in range {
                 tested += 1;
                 if let Some(hit) = self.intersect_place(place, ray, interval) {
@@ -139,16 +143,16 @@ impl<K: Kernels> Shape for MeshBvh<K> {
     }
 
     fn intersect(&self, ray: &TraversalRay, interval: Interval) -> Option<Hit> {
-        self.bvh.intersect::<K>(ray, interval, |range, interval| self.intersect_range(range, ray, interval))
+        self.tree.bvh.intersect::<K>(ray, interval, |range, interval| self.intersect_range(range, ray, interval))
     }
 
     fn intersect_p(&self, ray: &TraversalRay, interval: Interval) -> bool {
-        self.bvh.intersect_p::<K>(ray, interval, |mut range, interval| {
+        self.tree.bvh.intersect_p::<K>(ray, interval, |mut range, interval| {
             range.any(|place| self.intersect_place(place, ray, interval).is_some())
         })
     }
 
     fn surface_point(&self, ray: &TraversalRay, hit: &Hit) -> SurfacePoint {
-        self.mesh.surface_point(ray, hit)
+        self.tree.mesh.surface_point(ray, hit)
     }
 }

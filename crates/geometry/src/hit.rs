@@ -2,6 +2,8 @@
 
 use std::ops::ControlFlow;
 
+use crate::Interval;
+
 /// A place where a ray meets a surface: all that traversal keeps. Position, normal and the rest are computed from it on
 /// demand, once, for the hit that counts.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -94,5 +96,84 @@ impl<F: Fn(Hit) -> Hit> HitVisitor for MappedVisitor<'_, F> {
 
     fn work(&mut self, work: Work) {
         self.visitor.work(work);
+    }
+}
+
+/// The visitor that a closest-hit query is: keeps the closest of the hits that `accept` takes, and asks for closer ones
+/// only.
+#[derive(Clone, Debug)]
+pub struct ClosestHit<F = fn(&Hit) -> bool> {
+    hit: Option<Hit>,
+    work: Work,
+    t_max: f32,
+    accept: F,
+}
+
+impl ClosestHit {
+    /// The closest of all hits in the interval.
+    pub fn new(interval: Interval) -> Self {
+        Self::among(interval, |_| true)
+    }
+}
+
+impl<F: FnMut(&Hit) -> bool> ClosestHit<F> {
+    /// The closest of the hits in the interval that `accept` takes: for alpha masks, ray masks, or to ignore a
+    /// primitive. `accept` is asked in no particular order and not of all hits; it must answer by the hit alone.
+    pub fn among(interval: Interval, accept: F) -> Self {
+        Self { hit: None, work: Work::default(), t_max: interval.t_max(), accept }
+    }
+
+    /// The closest hit.
+    pub fn hit(&self) -> Option<Hit> {
+        self.hit
+    }
+
+    /// What finding it cost.
+    pub fn work(&self) -> Work {
+        self.work
+    }
+}
+
+impl<F: FnMut(&Hit) -> bool> HitVisitor for ClosestHit<F> {
+    fn hit(&mut self, hit: Hit) -> Visit {
+        if self.hit.as_ref().is_none_or(|closest| hit.is_before(closest)) && (self.accept)(&hit) {
+            self.t_max = hit.t_max_for_ties();
+            self.hit = Some(hit);
+        }
+        ControlFlow::Continue(self.t_max)
+    }
+
+    fn work(&mut self, work: Work) {
+        self.work += work;
+    }
+}
+
+/// The visitor that an any-hit query is: keeps the first hit found, and stops.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct FirstHit {
+    hit: Option<Hit>,
+    work: Work,
+}
+
+impl FirstHit {
+    /// Whichever hit was found first.
+    pub fn hit(&self) -> Option<Hit> {
+        self.hit
+    }
+
+    /// What finding it cost.
+    pub fn work(&self) -> Work {
+        self.work
+    }
+}
+
+impl HitVisitor for FirstHit {
+    fn hit(&mut self, hit: Hit) -> Visit {
+        self.hit = Some(hit);
+        ControlFlow::Break(())
+    }
+
+    fn work(&mut self, work: Work) {
+        self.work += work;
     }
 }

@@ -15,6 +15,7 @@
 mod animated_transform;
 mod axis;
 mod bounds3;
+pub mod exact;
 mod hit;
 mod interval;
 mod kernels;
@@ -32,7 +33,7 @@ pub use animated_transform::{AnimatedTransform, AnimatedTransformError, Keyframe
 pub use axis::Axis;
 pub use bounds3::Bounds3;
 pub use glam;
-pub use hit::{Hit, HitVisitor, MappedVisitor, Visit, Work};
+pub use hit::{ClosestHit, FirstHit, Hit, HitVisitor, MappedVisitor, Visit, Work};
 pub use interval::Interval;
 pub use kernels::{Kernels, MollerTrumboreTriangles, Naive, UnpaddedBoxes, Watertight};
 pub use ray::Ray;

@@ -1,10 +1,8 @@
 //! What every shape can be asked.
 
-use std::ops::ControlFlow;
-
 use glam::{DVec3, Vec2};
 
-use crate::{Bounds3, Hit, HitVisitor, Interval, Transform, TraversalRay, Visit};
+use crate::{Bounds3, ClosestHit, FirstHit, Hit, HitVisitor, Interval, Transform, TraversalRay, Visit};
 
 /// Something with a surface that a ray can meet: pbrt's Shape. It may consist of many primitives, as a mesh does.
 ///
@@ -28,21 +26,17 @@ pub trait Shape {
     /// `t_max` for the rest, or ends the visit; the last answer is returned, `Continue(t_max)` if there was none.
     fn visit_hits(&self, ray: &TraversalRay, interval: Interval, visitor: &mut dyn HitVisitor) -> Visit;
 
-    /// The closest hit: the smallest `t`, of equal `t` the smallest primitive.
+    /// The closest hit: the smallest `t`, of equal `t` the smallest primitive. To leave hits out, visit with
+    /// [`ClosestHit::among`].
     fn intersect(&self, ray: &TraversalRay, interval: Interval) -> Option<Hit> {
-        let mut closest: Option<Hit> = None;
-        let _ = self.visit_hits(ray, interval, &mut |hit: Hit| {
-            if closest.as_ref().is_none_or(|best| hit.is_before(best)) {
-                closest = Some(hit);
-            }
-            ControlFlow::Continue(closest.map_or(interval.t_max(), |best| best.t_max_for_ties()))
-        });
-        closest
+        let mut closest = ClosestHit::new(interval);
+        let _ = self.visit_hits(ray, interval, &mut closest);
+        closest.hit()
     }
 
     /// Whether there is any hit: pbrt's IntersectP, for shadow rays.
     fn intersect_p(&self, ray: &TraversalRay, interval: Interval) -> bool {
-        self.visit_hits(ray, interval, &mut |_: Hit| ControlFlow::Break(())).is_break()
+        self.visit_hits(ray, interval, &mut FirstHit::default()).is_break()
     }
 
     /// The surface at a hit that this shape reported for this very ray.

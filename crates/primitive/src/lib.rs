@@ -20,7 +20,6 @@ mod media;
 mod primitive;
 mod surface;
 mod transformed;
-mod work;
 
 pub use geometric::GeometricPrimitive;
 pub use geometry;
@@ -28,7 +27,6 @@ pub use id::{AreaLightId, MaterialId, MediumId};
 pub use interaction::SurfaceInteraction;
 pub use list::PrimitiveList;
 pub use media::{MediumBoundary, MediumInterface, medium_boundaries};
-pub use primitive::{HitKind, Primitive, intersect_filtered};
+pub use primitive::{HitKind, Primitive};
 pub use surface::Surface;
 pub use transformed::{Placement, TransformedPrimitive};
-pub use work::{intersect_counted, intersect_p_counted};

@@ -1,8 +1,6 @@
 //! What every primitive can be asked.
 
-use std::ops::ControlFlow;
-
-use geometry::{Bounds3, Hit, HitVisitor, Interval, TraversalRay, Visit};
+use geometry::{Bounds3, ClosestHit, FirstHit, Hit, HitVisitor, Interval, TraversalRay, Visit};
 
 use crate::SurfaceInteraction;
 
@@ -35,39 +33,21 @@ pub trait Primitive {
     /// was none.
     fn visit_hits(&self, ray: &TraversalRay, interval: Interval, kind: HitKind, visitor: &mut dyn HitVisitor) -> Visit;
 
-    /// The closest hit on a surface with a material: the smallest `t`, of equal `t` the smallest primitive.
+    /// The closest hit on a surface with a material: the smallest `t`, of equal `t` the smallest primitive. To leave hits
+    /// out (alpha masks, ray masks), visit with [`ClosestHit::among`]; to learn what it cost, with [`ClosestHit`].
     fn intersect(&self, ray: &TraversalRay, interval: Interval) -> Option<Hit> {
-        intersect_filtered(self, ray, interval, |_| true)
+        let mut closest = ClosestHit::new(interval);
+        let _ = self.visit_hits(ray, interval, HitKind::Material, &mut closest);
+        closest.hit()
     }
 
     /// Whether there is any hit on a surface with a material: pbrt's IntersectP, for shadow rays.
     fn intersect_p(&self, ray: &TraversalRay, interval: Interval) -> bool {
-        self.visit_hits(ray, interval, HitKind::Material, &mut |_: Hit| ControlFlow::Break(())).is_break()
+        self.visit_hits(ray, interval, HitKind::Material, &mut FirstHit::default()).is_break()
     }
 
     /// Describes a hit that this primitive reported for this very ray.
     fn interaction(&self, ray: &TraversalRay, hit: &Hit) -> SurfaceInteraction;
-}
-
-/// The closest hit among those that `accept` takes: for alpha masks, ray masks, or to ignore a primitive.
-///
-/// `accept` is asked of candidates in no particular order and not necessarily of all; it must answer by the hit alone.
-pub fn intersect_filtered<P: Primitive + ?Sized>(
-    primitive: &P,
-    ray: &TraversalRay,
-    interval: Interval,
-    mut accept: impl FnMut(&Hit) -> bool,
-) -> Option<Hit> {
-    let mut closest: Option<Hit> = None;
-    let mut t_max = interval.t_max();
-    let _ = primitive.visit_hits(ray, interval, HitKind::Material, &mut |hit: Hit| {
-        if closest.as_ref().is_none_or(|best| hit.is_before(best)) && accept(&hit) {
-            t_max = t_max.min(hit.t_max_for_ties());
-            closest = Some(hit);
-        }
-        ControlFlow::Continue(t_max)
-    });
-    closest
 }
 
 macro_rules! primitive_by_reference {

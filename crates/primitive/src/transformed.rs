@@ -2,7 +2,10 @@
 
 use std::ops::ControlFlow;
 
-use geometry::{AnimatedTransform, Bounds3, Hit, HitVisitor, Interval, MappedVisitor, Transform, TraversalRay, Visit};
+use geometry::glam::DVec3;
+use geometry::{
+    AnimatedTransform, Bounds3, Hit, HitVisitor, Interval, MappedVisitor, SurfacePoint, Transform, TraversalRay, Visit,
+};
 
 use crate::interaction::outgoing_direction;
 use crate::{HitKind, Primitive, SurfaceInteraction};
@@ -125,6 +128,19 @@ impl<P: Primitive> Primitive for TransformedPrimitive<P> {
         // The hit was found by this ray, so it has an image inside.
         let inner_ray = object_to_world.ray_to_object(ray).unwrap_or(*ray);
         let inner = self.primitive.interaction(&inner_ray, hit);
-        SurfaceInteraction { point: object_to_world.surface_point(&inner.point), wo: outgoing_direction(ray), ..inner }
+        let mut point = object_to_world.surface_point(&inner.point);
+        point.p_error += displacement(&object_to_world.ray_deviation(ray, f64::from(hit.t)), &point, ray);
+        SurfaceInteraction { point, wo: outgoing_direction(ray), ..inner }
     }
+}
+
+/// How far the intersection moves, for each axis, when the ray moves by at most `deviation`: by as much sideways, and
+/// along the ray until it meets the surface again, |δ| |dᵢ| / |n · d| to first order. At most f32::MAX, which is reached
+/// where the ray only touches.
+fn displacement(deviation: &DVec3, point: &SurfacePoint, ray: &TraversalRay) -> DVec3 {
+    let d = ray.direction64();
+    let along = d.abs() * (deviation.length() / point.n.dot(d).abs());
+    let limit = DVec3::splat(f64::from(f32::MAX));
+    // The minimum with the limit on the right also takes the place of NaN (0 / 0).
+    DVec3::from_array([0, 1, 2].map(|i| (deviation[i] + along[i]).min(limit[i])))
 }

@@ -4,25 +4,26 @@ use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::sync::Arc;
 
-use bvh_flat::{BuildConfig, BuildError, BuildObserver, BvhAggregate, MeshBvh};
-use geometry::{Bounds3, Hit, HitVisitor, Interval, Sphere, TraversalRay, TriangleMesh, Visit};
+use bvh_flat::{BuildConfig, BuildError, BuildObserver, BvhAggregate, InvalidBvh, MeshBvh};
+use geometry::{Bounds3, Hit, HitVisitor, Interval, Shape, Sphere, TraversalRay, TriangleMesh, Visit};
 use primitive::{GeometricPrimitive, HitKind, Primitive, SurfaceInteraction, TransformedPrimitive};
 
 use crate::{Geometry, Scene, SceneShape};
 
 /// The closed set of what the objects of a scene consist of. An enum, so that a ray is not dispatched through pointers.
+/// `M` is what a mesh is made to: [`MeshBvh`], unless other kernels are to be compared.
 #[derive(Debug)]
-pub enum ScenePrimitive {
+pub enum ScenePrimitive<M = MeshBvh> {
     /// A mesh with its own tree: one primitive of the aggregate around it.
-    Mesh(GeometricPrimitive<Arc<MeshBvh>>),
+    Mesh(GeometricPrimitive<M>),
     /// A sphere.
     Sphere(GeometricPrimitive<Sphere>),
     /// An object, placed.
-    Instance(TransformedPrimitive<Arc<ObjectAggregate>>),
+    Instance(TransformedPrimitive<Arc<ObjectAggregate<M>>>),
 }
 
 /// A compiled object: its geometries first, then its instances, each in scene order, with a tree over all.
-pub type ObjectAggregate = BvhAggregate<ScenePrimitive>;
+pub type ObjectAggregate<M = MeshBvh> = BvhAggregate<ScenePrimitive<M>>;
 
 macro_rules! each {
     ($self:expr, $primitive:ident => $body:expr) => {
@@ -34,7 +35,7 @@ macro_rules! each {
     };
 }
 
-impl Primitive for ScenePrimitive {
+impl<M: Shape> Primitive for ScenePrimitive<M> {
     fn world_bound(&self) -> Bounds3 {
         each!(self, p => p.world_bound())
     }
@@ -65,16 +66,16 @@ impl Primitive for ScenePrimitive {
 /// Its primitives are numbered depth first: the world's geometries in scene order, then its instances, each like a copy
 /// of its object. Of hits at the same `t`, the one with the smaller (instance, geometry, primitive) wins.
 #[derive(Debug)]
-pub struct CompiledScene {
-    scene: Scene,
-    meshes: Vec<Arc<MeshBvh>>,
+pub struct CompiledScene<M = MeshBvh> {
+    scene: Arc<Scene>,
+    meshes: Vec<MeshBvh>,
     /// As the scene numbers them; the world is the first.
-    objects: Vec<CompiledObject>,
+    objects: Vec<CompiledObject<M>>,
 }
 
 #[derive(Debug)]
-struct CompiledObject {
-    aggregate: Arc<ObjectAggregate>,
+struct CompiledObject<M> {
+    aggregate: Arc<ObjectAggregate<M>>,
     /// For each instance how many instance paths come before it in this object, itself not counted; behind the last, how
     /// many there are.
     paths_before: Vec<u64>,
@@ -96,64 +97,96 @@ impl CompiledScene {
     ///
     /// # Errors
     /// [`BuildError`] for a configuration that the builder refuses.
-    pub fn build(scene: Scene, config: &BuildConfig, observer: &dyn BuildObserver) -> Result<Self, BuildError> {
-        let mut meshes: HashMap<*const TriangleMesh, Arc<MeshBvh>> = HashMap::new();
-        let mut distinct_meshes = Vec::new();
+    pub fn build(
+        scene: impl Into<Arc<Scene>>,
+        config: &BuildConfig,
+        observer: &dyn BuildObserver,
+    ) -> Result<Self, BuildError> {
+        let scene = scene.into();
+        let mut meshes: HashMap<*const TriangleMesh, usize> = HashMap::new();
+        let mut distinct = Vec::new();
         for geometry in scene.geometries() {
             if let SceneShape::Mesh(mesh) = &geometry.shape
                 && let Entry::Vacant(entry) = meshes.entry(Arc::as_ptr(mesh))
             {
-                let bvh = Arc::new(MeshBvh::build_observed(Arc::clone(mesh), config, observer)?);
-                distinct_meshes.push(Arc::clone(entry.insert(bvh)));
+                entry.insert(distinct.len());
+                distinct.push(MeshBvh::build_observed(Arc::clone(mesh), config, observer)?);
             }
         }
-        let mut objects: Vec<Option<CompiledObject>> = scene.objects().iter().map(|_| None).collect();
-        for index in order_of_need(&scene) {
-            let object = &scene.objects()[index];
-            let geometries = object.geometries.iter().map(|&number| {
-                let Geometry { shape, surface, media } = &scene.geometries()[number as usize];
-                match shape {
-                    SceneShape::Sphere(sphere) => {
-                        ScenePrimitive::Sphere(GeometricPrimitive::new(*sphere, *surface, *media))
-                    }
-                    SceneShape::Mesh(mesh) => {
-                        let bvh = Arc::clone(&meshes[&Arc::as_ptr(mesh)]);
-                        ScenePrimitive::Mesh(GeometricPrimitive::new(bvh, *surface, *media))
-                    }
-                }
-            });
-            let mut members: Vec<ScenePrimitive> = geometries.collect();
-            let mut paths_before = vec![0];
-            for (i, instance) in object.instances.iter().enumerate() {
-                if let Some(inner) = &objects[instance.object.index()] {
-                    let placed = TransformedPrimitive::new(Arc::clone(&inner.aggregate), instance.placement.clone());
-                    members.push(ScenePrimitive::Instance(placed));
-                    paths_before.push(paths_before[i] + 1 + inner.path_count());
-                }
-            }
-            let aggregate = Arc::new(BvhAggregate::build_observed(members, config, observer)?);
-            objects[index] = Some(CompiledObject { aggregate, paths_before });
-        }
-        Ok(Self { scene, meshes: distinct_meshes, objects: objects.into_iter().flatten().collect() })
+        let mesh = |mesh: &Arc<TriangleMesh>| distinct[meshes[&Arc::as_ptr(mesh)]].clone();
+        let aggregate = |_, members| BvhAggregate::build_observed(members, config, observer);
+        let objects = compile_objects(&scene, mesh, aggregate)?;
+        Ok(Self { scene, meshes: distinct, objects })
     }
 
+    /// The same scene and trees, with `shape` of every mesh in place of the mesh: to compare other kernels.
+    ///
+    /// # Errors
+    /// [`InvalidBvh::Geometry`] where a shape is not in the bounds of its mesh.
+    pub fn with_meshes<M: Shape + Clone>(&self, shape: impl Fn(&MeshBvh) -> M) -> Result<CompiledScene<M>, InvalidBvh> {
+        let shapes: HashMap<*const TriangleMesh, M> =
+            self.meshes.iter().map(|mesh| (Arc::as_ptr(mesh.mesh()), shape(mesh))).collect();
+        let mesh = |mesh: &Arc<TriangleMesh>| shapes[&Arc::as_ptr(mesh)].clone();
+        let aggregate =
+            |index: usize, members| BvhAggregate::from_parts(members, self.objects[index].aggregate.bvh().clone());
+        let objects = compile_objects(&self.scene, mesh, aggregate)?;
+        Ok(CompiledScene { scene: Arc::clone(&self.scene), meshes: self.meshes.clone(), objects })
+    }
+}
+
+/// Every object of `scene`, with `mesh` of each mesh, and `aggregate` of the object's number and members.
+fn compile_objects<M: Shape, E>(
+    scene: &Scene,
+    mesh: impl Fn(&Arc<TriangleMesh>) -> M,
+    aggregate: impl Fn(usize, Vec<ScenePrimitive<M>>) -> Result<ObjectAggregate<M>, E>,
+) -> Result<Vec<CompiledObject<M>>, E> {
+    let mut objects: Vec<Option<CompiledObject<M>>> = scene.objects().iter().map(|_| None).collect();
+    for index in order_of_need(scene) {
+        let object = &scene.objects()[index];
+        let geometries = object.geometries.iter().map(|&number| {
+            let Geometry { shape, surface, media } = &scene.geometries()[number as usize];
+            match shape {
+                SceneShape::Sphere(s) => ScenePrimitive::Sphere(GeometricPrimitive::new(*s, *surface, *media)),
+                SceneShape::Mesh(m) => ScenePrimitive::Mesh(GeometricPrimitive::new(mesh(m), *surface, *media)),
+            }
+        });
+        let mut members: Vec<ScenePrimitive<M>> = geometries.collect();
+        let mut paths_before = vec![0];
+        for (i, instance) in object.instances.iter().enumerate() {
+            if let Some(inner) = &objects[instance.object.index()] {
+                let placed = TransformedPrimitive::new(Arc::clone(&inner.aggregate), instance.placement.clone());
+                members.push(ScenePrimitive::Instance(placed));
+                paths_before.push(paths_before[i] + 1 + inner.path_count());
+            }
+        }
+        objects[index] = Some(CompiledObject { aggregate: Arc::new(aggregate(index, members)?), paths_before });
+    }
+    Ok(objects.into_iter().flatten().collect())
+}
+
+impl<M: Shape> CompiledScene<M> {
     /// The aggregate over the whole scene, in world space.
-    pub fn world(&self) -> &ObjectAggregate {
+    pub fn world(&self) -> &ObjectAggregate<M> {
         &self.objects[0].aggregate
     }
 
+    /// The same, to be kept beyond this scene.
+    pub fn shared_world(&self) -> Arc<ObjectAggregate<M>> {
+        Arc::clone(&self.objects[0].aggregate)
+    }
+
     /// The trees over meshes, each once.
-    pub fn meshes(&self) -> &[Arc<MeshBvh>] {
+    pub fn meshes(&self) -> &[MeshBvh] {
         &self.meshes
     }
 
     /// The trees over objects, as the scene numbers them.
-    pub fn objects(&self) -> impl Iterator<Item = &ObjectAggregate> {
+    pub fn objects(&self) -> impl Iterator<Item = &ObjectAggregate<M>> {
         self.objects.iter().map(|object| &*object.aggregate)
     }
 
     /// The scene's data.
-    pub fn scene(&self) -> &Scene {
+    pub fn scene(&self) -> &Arc<Scene> {
         &self.scene
     }
 
@@ -189,7 +222,7 @@ impl CompiledScene {
     }
 }
 
-impl CompiledObject {
+impl<M> CompiledObject<M> {
     fn path_count(&self) -> u64 {
         self.paths_before[self.paths_before.len() - 1]
     }

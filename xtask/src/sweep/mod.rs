@@ -1,5 +1,7 @@
 //! `xtask sweep`: the main job. Every split method, every kind of ray, what each costs.
 
+pub mod configuration;
+mod json;
 mod report;
 mod run;
 
@@ -8,6 +10,7 @@ use std::path::PathBuf;
 use anyhow::{Context, Result};
 use clap::Args;
 
+use self::configuration::KernelName;
 use crate::input::{SCENE_HELP, SceneSource, SplitMethodName};
 
 #[derive(Args)]
@@ -17,10 +20,16 @@ pub struct Arguments {
     /// The split methods to build with; all by default
     #[arg(long, value_enum, value_delimiter = ',', value_name = "METHOD")]
     split_method: Vec<SplitMethodName>,
+    /// The box test and triangle test to trace with; all by default, to show what the naive ones lose
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "KERNELS")]
+    kernels: Vec<KernelName>,
     /// Rays of each kind, at most
     #[arg(long, default_value_t = 1 << 16, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 24))]
     rays: u32,
-    /// Timed rounds; each goes through all methods in turn, and the median counts
+    /// Rays of each kind whose answers are compared with the exact ones, and rays for each kind of leak; 0 for none
+    #[arg(long, default_value_t = 4096, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=1 << 24))]
+    judged_rays: u32,
+    /// Timed rounds; each goes through all configurations in turn, and the median counts
     #[arg(long, default_value_t = 3, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     rounds: u32,
     /// Threads that build; rays are always traced by one
@@ -44,8 +53,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     let path = arguments.out.join("results.jsonl");
     std::fs::create_dir_all(&arguments.out)
-        .and_then(|()| std::fs::write(&path, report::json_lines(&sweeps)))
+        .and_then(|()| std::fs::write(&path, json::json_lines(&sweeps)))
         .with_context(|| format!("{}: cannot be written", path.display()))?;
     println!("results  {}", path.display());
-    run::check_agreement(&sweeps)
+    sweeps.iter().try_for_each(run::Sweep::check)
 }

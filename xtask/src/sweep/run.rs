@@ -1,18 +1,21 @@
-//! Builds, traces and times.
+//! Builds, traces, judges and times.
 
 use std::hash::{DefaultHasher, Hasher};
+use std::sync::Arc;
 use std::time::Duration;
 
 use anyhow::{Result, bail};
 use bvh_flat::bvh_build::TreeStatistics;
-use bvh_flat::geometry::{Hit, Interval, Ray, TraversalRay, Work};
-use bvh_flat::primitive::{Primitive, intersect_counted, intersect_p_counted};
+use bvh_flat::geometry::{ClosestHit, FirstHit, Hit, TraversalRay, Work};
+use bvh_flat::primitive::{HitKind, Primitive};
 use bvh_flat::{BuildConfig, SplitMethod};
 use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressStyle};
 use scene::{CompiledScene, RaySegment, RaySets};
 
 use super::Arguments;
+use super::configuration::{KernelName, Subject};
+use crate::errors::{self, Errors, Truth};
 use crate::input::{self, SEED, SceneSource, SplitMethodName};
 use crate::measure::{BuildClock, median, timed};
 
@@ -23,18 +26,13 @@ pub struct Sweep {
     pub primitives: u64,
     /// The same, each as often as it is instanced.
     pub instanced_primitives: u64,
+    pub builds: Vec<Build>,
     pub configurations: Vec<Configuration>,
-}
-
-/// What was measured with one split method.
-pub struct Configuration {
-    pub method: SplitMethod,
-    pub build: Build,
-    pub traces: Vec<Trace>,
 }
 
 /// A build, all trees of the scene together.
 pub struct Build {
+    pub method: SplitMethod,
     pub time: Duration,
     pub phases: Vec<(String, Duration)>,
     pub nodes: u64,
@@ -45,6 +43,16 @@ pub struct Build {
     pub sah_cost: f64,
     /// Of all that is kept beside the scene itself.
     pub bytes: u64,
+}
+
+/// What was measured with one split method and one choice of kernels.
+pub struct Configuration {
+    /// Its place in [`Sweep::builds`].
+    pub build: usize,
+    pub kernels: KernelName,
+    pub traces: Vec<Trace>,
+    /// By what was aimed at: leaks, and rays.
+    pub leaks: Vec<(&'static str, u64, u64)>,
 }
 
 /// One kind of rays, traced for the closest and for any hit.
@@ -60,106 +68,142 @@ pub struct Trace {
     /// Over all closest answers, bit for bit.
     pub hash: u64,
     /// Rays for which any-hit and closest-hit do not agree.
-    pub disagreements: usize,
+    pub disagreements: u64,
+    /// Beside the oracle; `None` where it was not asked.
+    pub errors: Option<Errors>,
 }
 
+/// The durations of each round, closest and any, of one kind of rays.
+type Rounds = (Vec<Duration>, Vec<Duration>);
+
 pub fn sweep(arguments: &Arguments, source: &SceneSource, pool: &rayon::ThreadPool) -> Result<Sweep> {
-    let methods: Vec<SplitMethod> = match &arguments.split_method[..] {
-        [] => SplitMethodName::value_variants().iter().map(|m| m.method()).collect(),
-        chosen => chosen.iter().map(|m| m.method()).collect(),
-    };
-    let steps = 1 + methods.len() as u64 * (2 + u64::from(arguments.rounds));
-    let bar = ProgressBar::new(steps);
-    if let Ok(style) = ProgressStyle::with_template("{prefix}  {wide_bar} {pos}/{len}  {msg:<24} {eta:>4} left") {
-        bar.set_style(style);
-    }
-    bar.set_prefix(source.name());
+    let methods: Vec<SplitMethod> = chosen(&arguments.split_method).into_iter().map(SplitMethodName::method).collect();
+    let kernels = chosen(&arguments.kernels);
+    let configurations = (methods.len() * kernels.len()) as u64;
+    let bar = progress_bar(source, 2 + methods.len() as u64 + configurations * (2 + u64::from(arguments.rounds)));
 
     bar.set_message("load");
-    let scene = source.load()?;
+    let scene = Arc::new(source.load()?);
     bar.inc(1);
-    let mut built = Vec::new();
+    let mut builds = Vec::new();
+    let mut compiled = Vec::new();
     for &method in &methods {
         bar.set_message(format!("build {}", method.name()));
         let clock = BuildClock::default();
-        let (time, compiled) =
-            timed(|| pool.install(|| CompiledScene::build(scene.clone(), &BuildConfig::new(method), &clock)));
-        let compiled = compiled?;
-        built.push((method, build_figures(time, &clock, &compiled), compiled));
+        let build = || CompiledScene::build(Arc::clone(&scene), &BuildConfig::new(method), &clock);
+        let (time, built) = timed(|| pool.install(build));
+        let built = built?;
+        builds.push(build_figures(method, time, &clock, &built));
+        compiled.push(built);
         bar.inc(1);
     }
 
-    let Some((_, _, first)) = built.first() else { bail!("no split method is left to measure") };
+    let Some(first) = compiled.first() else { bail!("no split method is left to measure") };
     bar.set_message("aim rays");
     let camera = input::camera(first, None)?;
     let bounds = first.world().world_bound();
     let sets = RaySets::generate(first.world(), &bounds, &camera, arguments.rays as usize, SEED)?;
-    let mut traces: Vec<Vec<Trace>> = Vec::new();
-    for (method, _, compiled) in &built {
-        bar.set_message(format!("count {}", method.name()));
-        traces.push(sets.named().into_iter().map(|(kind, rays)| count(compiled, kind, rays)).collect());
-        bar.inc(1);
+    bar.set_message("ask the oracle");
+    let truth = match arguments.judged_rays {
+        0 => None,
+        count => pool.install(|| Truth::new(first, &sets, count as usize)),
+    };
+    bar.inc(1);
+
+    let mut subjects = Vec::new();
+    let mut measured = Vec::new();
+    for (build, compiled) in compiled.iter().enumerate() {
+        for &kernels in &kernels {
+            bar.set_message(format!("judge {}", methods[build].name()));
+            let subject = Subject::new(compiled, kernels)?;
+            let world = &*subject.world;
+            let mut traces: Vec<Trace> = sets.named().map(|(kind, rays)| count(world, kind, rays)).into();
+            bar.inc(1);
+            let mut leaks = Vec::new();
+            if let Some(truth) = &truth {
+                pool.install(|| {
+                    for (trace, set) in traces.iter_mut().zip(&truth.sets) {
+                        trace.errors = Some(Errors::of(world, set));
+                    }
+                    leaks = errors::leaks(&subject.meshes, &truth.leak_tests);
+                });
+            }
+            measured.push(Configuration { build, kernels, traces, leaks });
+            subjects.push(subject);
+            bar.inc(1);
+        }
     }
-    let mut times = vec![vec![(vec![], vec![]); sets.named().len()]; built.len()];
+    let mut times: Vec<[Rounds; 4]> = vec![Default::default(); subjects.len()];
     for _ in 0..arguments.rounds {
-        for ((method, _, compiled), times) in built.iter().zip(&mut times) {
-            bar.set_message(format!("trace {}", method.name()));
+        for (subject, times) in subjects.iter().zip(&mut times) {
+            bar.set_message("trace");
             for ((_, rays), (closest, any)) in sets.named().into_iter().zip(times) {
-                closest.push(timed(|| trace_closest(compiled, rays)).0);
-                any.push(timed(|| trace_any(compiled, rays)).0);
+                closest.push(timed(|| trace_closest(&*subject.world, rays)).0);
+                any.push(timed(|| trace_any(&*subject.world, rays)).0);
             }
             bar.inc(1);
         }
     }
     bar.finish_and_clear();
 
-    let instanced_primitives = built[0].2.world().primitive_count();
-    let configurations = built.into_iter().zip(traces).zip(times).map(|(((method, build, _), mut traces), times)| {
-        for (trace, (closest, any)) in traces.iter_mut().zip(times) {
+    for (configuration, times) in measured.iter_mut().zip(times) {
+        for (trace, (closest, any)) in configuration.traces.iter_mut().zip(times) {
             (trace.closest, trace.any) = (median(closest), median(any));
         }
-        Configuration { method, build, traces }
-    });
+    }
     Ok(Sweep {
         scene: source.name(),
         primitives: scene.geometries().iter().map(|g| g.shape.primitive_count()).sum(),
-        instanced_primitives,
-        configurations: configurations.collect(),
+        instanced_primitives: first.world().primitive_count(),
+        builds,
+        configurations: measured,
     })
 }
 
-fn build_figures(time: Duration, clock: &BuildClock, compiled: &CompiledScene) -> Build {
+/// What the command line chooses; all where it chooses nothing.
+fn chosen<T: ValueEnum + Copy>(names: &[T]) -> Vec<T> {
+    if names.is_empty() { T::value_variants().to_vec() } else { names.to_vec() }
+}
+
+fn progress_bar(source: &SceneSource, steps: u64) -> ProgressBar {
+    let bar = ProgressBar::new(steps);
+    if let Ok(style) = ProgressStyle::with_template("{prefix}  {wide_bar} {pos}/{len}  {msg:<20} {eta:>4} left") {
+        bar.set_style(style);
+    }
+    bar.set_prefix(source.name());
+    bar
+}
+
+fn build_figures(method: SplitMethod, time: Duration, clock: &BuildClock, compiled: &CompiledScene) -> Build {
     let trees = clock.trees();
-    let sum = |f: fn(&TreeStatistics) -> u64| trees.iter().map(f).sum::<u64>();
-    let active = sum(|t| u64::from(t.active_count)).max(1) as f64;
+    let sum = |f: fn(&TreeStatistics) -> u32| trees.iter().map(|t| u64::from(f(t))).sum::<u64>();
+    let weighted_cost: f64 = trees.iter().map(|t| t.sah_cost * f64::from(t.active_count)).sum();
     Build {
+        method,
         time,
         phases: clock.phases().into_iter().collect(),
-        nodes: sum(|t| u64::from(t.node_count)),
-        leaves: sum(|t| u64::from(t.leaf_count)),
+        nodes: sum(|t| t.node_count),
+        leaves: sum(|t| t.leaf_count),
         depth: trees.iter().map(|t| t.depth).max().unwrap_or(0),
-        sah_cost: trees.iter().map(|t| t.sah_cost * f64::from(t.active_count)).sum::<f64>() / active,
+        sah_cost: weighted_cost / sum(|t| t.active_count).max(1) as f64,
         bytes: compiled.memory() as u64,
     }
 }
 
 /// Rays that make no sense are misses, as in a query by the user.
-fn closest(compiled: &CompiledScene, ray: &Ray, interval: Interval) -> Option<Hit> {
-    TraversalRay::new(ray).and_then(|ray| compiled.world().intersect(&ray, interval))
+fn trace_closest(world: &dyn Primitive, rays: &[RaySegment]) -> usize {
+    let hits =
+        |r: &&RaySegment| TraversalRay::new(&r.ray).is_some_and(|ray| world.intersect(&ray, r.interval).is_some());
+    rays.iter().filter(hits).count()
 }
 
-fn trace_closest(compiled: &CompiledScene, rays: &[RaySegment]) -> usize {
-    rays.iter().filter(|r| closest(compiled, &r.ray, r.interval).is_some()).count()
-}
-
-fn trace_any(compiled: &CompiledScene, rays: &[RaySegment]) -> usize {
-    let any =
-        |r: &&RaySegment| TraversalRay::new(&r.ray).is_some_and(|ray| compiled.world().intersect_p(&ray, r.interval));
-    rays.iter().filter(any).count()
+fn trace_any(world: &dyn Primitive, rays: &[RaySegment]) -> usize {
+    let blocked = |r: &&RaySegment| TraversalRay::new(&r.ray).is_some_and(|ray| world.intersect_p(&ray, r.interval));
+    rays.iter().filter(blocked).count()
 }
 
 /// Traces everything once without a clock: the answers and what they cost in steps.
-fn count(compiled: &CompiledScene, kind: &'static str, rays: &[RaySegment]) -> Trace {
+fn count(world: &dyn Primitive, kind: &'static str, rays: &[RaySegment]) -> Trace {
     let mut trace = Trace {
         kind,
         rays: rays.len(),
@@ -170,48 +214,67 @@ fn count(compiled: &CompiledScene, kind: &'static str, rays: &[RaySegment]) -> T
         any_work: Work::default(),
         hash: 0,
         disagreements: 0,
+        errors: None,
     };
     let mut hasher = DefaultHasher::new();
     for segment in rays {
         let Some(ray) = TraversalRay::new(&segment.ray) else { continue };
-        let (hit, work) = intersect_counted(compiled.world(), &ray, segment.interval);
-        let (any, any_work) = intersect_p_counted(compiled.world(), &ray, segment.interval);
-        let uncounted = compiled.world().intersect(&ray, segment.interval);
-        let blocked = compiled.world().intersect_p(&ray, segment.interval);
-        trace.closest_work += work;
-        trace.any_work += any_work;
+        let (mut closest, mut any) = (ClosestHit::new(segment.interval), FirstHit::default());
+        let _ = world.visit_hits(&ray, segment.interval, HitKind::Material, &mut closest);
+        let _ = world.visit_hits(&ray, segment.interval, HitKind::Material, &mut any);
+        let hit = closest.hit();
+        trace.closest_work += closest.work();
+        trace.any_work += any.work();
         trace.hits += usize::from(hit.is_some());
-        let agree = hit == uncounted && any.is_some() == hit.is_some() && blocked == hit.is_some();
-        trace.disagreements += usize::from(!agree);
-        if let Some(Hit { t, u, v, primitive }) = hit {
-            for x in [t, u, v] {
-                hasher.write_u32(x.to_bits());
+        let agree = hit == world.intersect(&ray, segment.interval)
+            && any.hit().is_some() == hit.is_some()
+            && world.intersect_p(&ray, segment.interval) == hit.is_some();
+        trace.disagreements += u64::from(!agree);
+        match hit {
+            Some(Hit { t, u, v, primitive }) => {
+                for x in [t, u, v] {
+                    hasher.write_u32(x.to_bits());
+                }
+                hasher.write_u64(primitive);
             }
-            hasher.write_u64(primitive);
-        } else {
-            hasher.write_u8(0);
+            None => hasher.write_u8(0),
         }
     }
     trace.hash = hasher.finish();
     trace
 }
 
-/// The answers must not depend on the tree, nor on the kind of query.
-pub fn check_agreement(sweeps: &[Sweep]) -> Result<()> {
-    for sweep in sweeps {
-        for configuration in &sweep.configurations {
-            for (trace, first) in configuration.traces.iter().zip(&sweep.configurations[0].traces) {
-                let (scene, method, kind) = (&sweep.scene, configuration.method.name(), trace.kind);
-                if trace.hash != first.hash {
-                    let other = sweep.configurations[0].method.name();
-                    bail!("{scene}: {method} and {other} answer {kind} rays differently");
+impl Sweep {
+    /// The split method of a configuration.
+    pub fn method(&self, configuration: &Configuration) -> SplitMethod {
+        self.builds[configuration.build].method
+    }
+
+    /// What must hold of the library's own kernels: the answers depend neither on the tree nor on the kind of query, no
+    /// ray leaks, and no bound on an error is violated.
+    pub fn check(&self) -> Result<()> {
+        let mut sound = self.configurations.iter().filter(|c| c.kernels.is_sound()).peekable();
+        let Some(first) = sound.peek().copied() else { return Ok(()) };
+        for configuration in sound {
+            let (scene, method) = (&self.scene, self.method(configuration).name());
+            for (trace, reference) in configuration.traces.iter().zip(&first.traces) {
+                let kind = trace.kind;
+                if trace.hash != reference.hash {
+                    bail!("{scene}: {method} and {} answer {kind} rays differently", self.method(first).name());
                 }
-                if trace.disagreements > 0 {
-                    let n = trace.disagreements;
-                    bail!("{scene}: {method}: closest-hit and any-hit disagree on {n} {kind} rays");
+                let mismatches = trace.disagreements + trace.errors.as_ref().map_or(0, |e| e.mismatches);
+                if mismatches > 0 {
+                    bail!("{scene}: {method}: closest-hit and any-hit disagree on {mismatches} {kind} rays");
+                }
+                let violations = trace.errors.as_ref().map_or(0, |e| e.bound_violations);
+                if violations > 0 {
+                    bail!("{scene}: {method}: {violations} {kind} hits lie outside of their error bound");
                 }
             }
+            if let Some((aim, leaks, rays)) = configuration.leaks.iter().find(|(_, leaks, _)| *leaks > 0) {
+                bail!("{scene}: {method}: {leaks} of {rays} rays aimed at {aim} leak out of closed meshes");
+            }
         }
+        Ok(())
     }
-    Ok(())
 }

@@ -1,0 +1,216 @@
+//! A triangle mesh with its tree, decided about exactly.
+
+use std::ops::{ControlFlow, Range};
+use std::sync::Arc;
+
+use geometry::exact::{Enclosure, ExactRay, TierCounts, TierObserver};
+use geometry::glam::Vec3;
+use geometry::{
+    Bounds3, Hit, HitVisitor, Interval, Kernels, Shape, SurfacePoint, TraversalRay, TriangleHit, TriangleMesh, Visit,
+    Watertight, Work, round_up,
+};
+
+use crate::{FlatBvh, MeshBvh};
+
+/// A [`MeshBvh`] whose every decision is that of real arithmetic on the given numbers: which triangles a ray hits, which
+/// hit is the closest, and of equal t* which triangle is the first. See [`geometry::exact`] for what that means, and
+/// [`ExactRay::values`] for `t`, `u` and `v`. The answer is the same, bit for bit, for every tree.
+///
+/// Between this mesh and other shapes the closer is decided by the rounded `t`, as everywhere.
+///
+/// *No tree loses a hit.* The exact ray is in the triangle at t*, so in the box of every node above it. The padded test
+/// gives an entry `fl(x)` with x <= t* and an exit `fl(y)` with y >= t*; as rounding is monotone, entry <= exit, and the
+/// entry is at most t* rounded up. The closest hit so far bounds the search by a number that is at least its t*, rounded
+/// up; so no node is passed by that has a hit as close. An entry beyond `f32::MAX` is that of no hit.
+#[derive(Clone, Debug)]
+pub struct ExactMesh {
+    bvh: MeshBvh,
+    /// The vertices of the triangle at each place of the order.
+    ordered_vertices: Vec<[Vec3; 3]>,
+}
+
+impl<K: Kernels> MeshBvh<K> {
+    /// The same mesh and tree, with exact decisions.
+    pub fn exact(&self) -> ExactMesh {
+        let vertices = |&i: &u32| self.mesh().vertices(i as usize);
+        ExactMesh { bvh: self.with_kernels(), ordered_vertices: self.bvh().order().iter().map(vertices).collect() }
+    }
+}
+
+/// The closest hit so far.
+struct Closest {
+    place: usize,
+    enclosure: Enclosure,
+}
+
+impl ExactMesh {
+    /// The mesh.
+    pub fn mesh(&self) -> &Arc<TriangleMesh> {
+        self.bvh.mesh()
+    }
+
+    /// The tree.
+    pub fn bvh(&self) -> &FlatBvh {
+        self.bvh.bvh()
+    }
+
+    /// The closest hit, as [`intersect`](Shape::intersect), and which tiers decided.
+    pub fn intersect_counted(&self, ray: &TraversalRay, interval: Interval) -> (Option<Hit>, TierCounts) {
+        let mut counts = TierCounts::default();
+        let hit = self.closest(ray, interval, &mut counts);
+        (hit, counts)
+    }
+
+    /// Whether there is any hit, as [`intersect_p`](Shape::intersect_p), and which tiers decided.
+    pub fn intersect_p_counted(&self, ray: &TraversalRay, interval: Interval) -> (bool, TierCounts) {
+        let mut counts = TierCounts::default();
+        let is_hit = self.any(ray, interval, &mut counts);
+        (is_hit, counts)
+    }
+
+    fn exact_ray(&self, ray: &TraversalRay) -> ExactRay {
+        ExactRay::new(ray, &self.bvh().bounds())
+    }
+
+    #[inline]
+    fn closest(&self, ray: &TraversalRay, interval: Interval, observer: &mut impl TierObserver) -> Option<Hit> {
+        let exact = self.exact_ray(ray);
+        let mut closest: Option<Closest> = None;
+        // What is handed to the tree only bounds its search.
+        let leaf = |range: Range<usize>, _: Interval| {
+            let is_closer = self.closest_of(range, &exact, interval, &mut closest, observer);
+            let bound = |best: &Closest| Hit { t: round_up(best.enclosure.high()), u: 0.0, v: 0.0, primitive: 0 };
+            closest.as_ref().filter(|_| is_closer).map(bound)
+        };
+        let _ = match is_rounded(ray) {
+            false => self.bvh().intersect::<Watertight>(ray, interval, leaf),
+            true => self.bvh().intersect::<RoundedRay>(ray, interval, leaf),
+        };
+        let Closest { place, enclosure } = closest?;
+        Some(self.hit(place, &exact, &enclosure, observer))
+    }
+
+    /// Improves on the closest hit so far; whether it could.
+    #[inline]
+    fn closest_of(
+        &self,
+        range: Range<usize>,
+        ray: &ExactRay,
+        interval: Interval,
+        closest: &mut Option<Closest>,
+        observer: &mut impl TierObserver,
+    ) -> bool {
+        let mut is_closer = false;
+        for place in range {
+            let vertices = &self.ordered_vertices[place];
+            let Some(enclosure) = ray.intersect_triangle(vertices, interval, observer) else { continue };
+            let is_before = |best: &Closest, observer: &mut _| {
+                let best_vertices = &self.ordered_vertices[best.place];
+                let order = ray.compare((&enclosure, vertices), (&best.enclosure, best_vertices), observer);
+                let order_of_index = || self.bvh().order()[place].cmp(&self.bvh().order()[best.place]);
+                order.then_with(order_of_index).is_lt()
+            };
+            if closest.as_ref().is_none_or(|best| is_before(best, observer)) {
+                *closest = Some(Closest { place, enclosure });
+                is_closer = true;
+            }
+        }
+        is_closer
+    }
+
+    #[inline]
+    fn any(&self, ray: &TraversalRay, interval: Interval, observer: &mut impl TierObserver) -> bool {
+        let exact = self.exact_ray(ray);
+        let leaf = |mut range: Range<usize>, _: Interval| {
+            range.any(|place| {
+                exact.intersect_triangle(&self.ordered_vertices[place], interval, observer).is_some()
+            })
+        };
+        match is_rounded(ray) {
+            false => self.bvh().intersect_p::<Watertight>(ray, interval, leaf),
+            true => self.bvh().intersect_p::<RoundedRay>(ray, interval, leaf),
+        }
+    }
+
+    fn hit(&self, place: usize, ray: &ExactRay, enclosure: &Enclosure, observer: &mut impl TierObserver) -> Hit {
+        let TriangleHit { t, u, v } = ray.values(&self.ordered_vertices[place], enclosure, observer);
+        Hit { t, u, v, primitive: u64::from(self.bvh().order()[place]) }
+    }
+}
+
+impl Shape for ExactMesh {
+    fn object_bound(&self) -> Bounds3 {
+        self.bvh().bounds()
+    }
+
+    fn primitive_count(&self) -> u64 {
+        self.bvh.primitive_count()
+    }
+
+    fn visit_hits(&self, ray: &TraversalRay, interval: Interval, visitor: &mut dyn HitVisitor) -> Visit {
+        let exact = self.exact_ray(ray);
+        let mut tested = 0_u64;
+        let leaf = |range: Range<usize>, mut interval: Interval, visitor: &mut dyn HitVisitor| {
+            for place in range {
+                tested += 1;
+                if let Some(enclosure) = exact.intersect_triangle(&self.ordered_vertices[place], interval, &mut ()) {
+                    let hit = self.hit(place, &exact, &enclosure, &mut ());
+                    interval = interval.with_t_max(visitor.hit(hit)?);
+                }
+            }
+            ControlFlow::Continue(interval.t_max())
+        };
+        let visit = match is_rounded(ray) {
+            false => self.bvh().visit_hits::<Watertight>(ray, interval, visitor, leaf),
+            true => self.bvh().visit_hits::<RoundedRay>(ray, interval, visitor, leaf),
+        };
+        visitor.work(Work { nodes: 0, primitives: tested });
+        visit
+    }
+
+    fn intersect(&self, ray: &TraversalRay, interval: Interval) -> Option<Hit> {
+        self.closest(ray, interval, &mut ())
+    }
+
+    fn intersect_p(&self, ray: &TraversalRay, interval: Interval) -> bool {
+        self.any(ray, interval, &mut ())
+    }
+
+    fn surface_point(&self, ray: &TraversalRay, hit: &Hit) -> SurfacePoint {
+        self.bvh.surface_point(ray, hit)
+    }
+}
+
+/// Whether the f32 ray of the box test is not the exact one: it was transformed.
+#[inline]
+fn is_rounded(ray: &TraversalRay) -> bool {
+    ray.origin64() != ray.ray().origin.as_dvec3() || ray.direction64() != ray.ray().direction.as_dvec3()
+}
+
+/// The padded box test for a ray whose f32 form is rounded: conservative for the f64 ray.
+///
+/// The box grows by more than the origin moved. The direction is wrong by one rounding, u relatively, which the padding
+/// of 12 u has room for beside its own 4 u. A component too small for that does not bound the ray.
+#[derive(Clone, Copy, Debug)]
+struct RoundedRay;
+
+impl Kernels for RoundedRay {
+    #[inline]
+    fn enter(ray: &TraversalRay, bounds: &Bounds3, interval: Interval) -> Option<f32> {
+        let (o, d) = (ray.ray().origin, ray.ray().direction);
+        // u |o| is how far the origin moved, u (|b| + w) how far the new plane is rounded: 4u and more are for each.
+        let width = |b: Vec3| (o.abs() + b.abs()) * (2.0 * f32::EPSILON) + Vec3::splat(f32::MIN_POSITIVE);
+        let mut grown = Bounds3::new(bounds.min - width(bounds.min), bounds.max + width(bounds.max));
+        for i in 0..3 {
+            if d[i].abs() < f32::MIN_POSITIVE && ray.direction64()[i] != 0.0 {
+                (grown.min[i], grown.max[i]) = (f32::NEG_INFINITY, f32::INFINITY);
+            }
+        }
+        ray.enter(&grown, interval)
+    }
+
+    #[inline]
+    fn intersect_triangle(ray: &TraversalRay, vertices: &[Vec3; 3], interval: Interval) -> Option<TriangleHit> {
+        geometry::exact::intersect_triangle_exact(ray, vertices, interval)
+    }
+}

@@ -1,0 +1,169 @@
+//! Rays that are decided about exactly.
+
+use std::cmp::Ordering;
+
+use glam::Vec3;
+
+use super::enclosure::Enclosure;
+use super::rational::Line;
+use super::sheared::{Frame, Sheared};
+use super::tier::{Tier, TierObserver};
+use crate::{Bounds3, Interval, TraversalRay, TriangleHit};
+
+/// A ray prepared for [exact](super) decisions about triangles within given bounds.
+///
+/// Its data are the f64 origin and direction of a [`TraversalRay`]: of a ray that was never transformed, the f32 ones.
+#[derive(Clone, Copy, Debug)]
+pub struct ExactRay {
+    line: Line,
+    frame: Frame,
+    /// Bounds the error of every edge function.
+    edge_error: f64,
+}
+
+/// Where `ray` meets the closed triangle with t* in the open `interval`, decided as in real arithmetic; see
+/// [the semantics](super). A triangle with a coordinate that is not finite or beyond
+/// [`MAX_COORDINATE`](crate::MAX_COORDINATE) is not hit.
+///
+/// `t`, `u` and `v` are those of [`ExactRay::values`]. For many triangles and one ray an [`ExactRay`] is cheaper.
+pub fn intersect_triangle_exact(ray: &TraversalRay, vertices: &[Vec3; 3], interval: Interval) -> Option<TriangleHit> {
+    let bounds = Bounds3::from_points(*vertices);
+    if !bounds.is_valid() {
+        return None;
+    }
+    let ray = ExactRay::new(ray, &bounds);
+    let hit = ray.intersect_triangle(vertices, interval, &mut ())?;
+    Some(ray.values(vertices, &hit, &mut ()))
+}
+
+impl ExactRay {
+    /// Prepares a ray for triangles inside of `bounds`. The bounds only set how often the first tier suffices, not what
+    /// is decided; but triangles outside of them may be decided wrongly.
+    pub fn new(ray: &TraversalRay, bounds: &Bounds3) -> Self {
+        let line = Line { origin: ray.origin64(), direction: ray.direction64() };
+        let frame = Frame::new(line.origin, line.direction);
+        Self { line, frame, edge_error: frame.edge_error(bounds) }
+    }
+
+    #[cfg(test)]
+    pub(super) fn line(&self) -> &Line {
+        &self.line
+    }
+
+    /// Whether and where the ray hits the triangle with t* in the open `interval`.
+    ///
+    /// The vertices are finite, within [`MAX_COORDINATE`](crate::MAX_COORDINATE) and the bounds of [`new`](Self::new).
+    #[inline]
+    pub fn intersect_triangle(
+        &self,
+        vertices: &[Vec3; 3],
+        interval: Interval,
+        observer: &mut impl TierObserver,
+    ) -> Option<Enclosure> {
+        let sheared = self.frame.shear(vertices);
+        let [low, high] = sheared.edge_range();
+        if low < -self.edge_error && high > self.edge_error {
+            observer.decided(Tier::Filter);
+            return None;
+        }
+        self.confirm(vertices, &sheared, interval, observer)
+    }
+
+    /// What is not certainly beside the triangle.
+    fn confirm(
+        &self,
+        vertices: &[Vec3; 3],
+        sheared: &Sheared,
+        interval: Interval,
+        observer: &mut impl TierObserver,
+    ) -> Option<Enclosure> {
+        let [low, high] = sheared.edge_range();
+        let edge_error = sheared.edge_error();
+        let mut tier = Tier::Certificate;
+        let is_hit = if low < -edge_error && high > edge_error {
+            false
+        } else if low > edge_error || high < -edge_error {
+            true
+        } else {
+            tier = Tier::Exact;
+            self.line.meets(vertices)
+        };
+        let enclosure = is_hit.then(|| {
+            Enclosure::of_plane(&self.line, vertices).unwrap_or_else(|| {
+                tier = Tier::Exact;
+                Enclosure::exactly(&self.line, vertices)
+            })
+        });
+        let hit = enclosure.filter(|enclosure| self.is_inside(vertices, enclosure, interval, &mut tier));
+        observer.decided(tier);
+        hit
+    }
+
+    /// Whether t* lies in the open interval.
+    fn is_inside(&self, vertices: &[Vec3; 3], hit: &Enclosure, interval: Interval, tier: &mut Tier) -> bool {
+        let (t_min, t_max) = (f64::from(interval.t_min()), f64::from(interval.t_max().min(f32::MAX)));
+        let mut order = |t: f64| {
+            if hit.low > t {
+                Ordering::Greater
+            } else if hit.high < t {
+                Ordering::Less
+            } else {
+                *tier = Tier::Exact;
+                self.line.cmp_t(vertices, t)
+            }
+        };
+        order(t_max).is_lt() && order(t_min).is_gt()
+    }
+
+    /// The order of t* of two hits that this ray reported, each with the vertices of its triangle.
+    #[inline]
+    pub fn compare(
+        &self,
+        (a, a_vertices): (&Enclosure, &[Vec3; 3]),
+        (b, b_vertices): (&Enclosure, &[Vec3; 3]),
+        observer: &mut impl TierObserver,
+    ) -> Ordering {
+        if a.high < b.low || b.high < a.low {
+            observer.decided(Tier::Certificate);
+            return if a.high < b.low { Ordering::Less } else { Ordering::Greater };
+        }
+        observer.decided(Tier::Exact);
+        self.line.cmp_hits(a_vertices, b_vertices)
+    }
+
+    /// The values of a hit that this ray reported for the triangle: functions of ray and triangle alone.
+    ///
+    /// `t` is t*, rounded to the nearest f32, ties to even. So it is that excluded end of the interval to which t* is
+    /// nearer than to any other f32, and 0 for a t* below 2⁻¹⁵⁰. `u` and `v` are in [0, 1] and within 2⁻²³ of the exact
+    /// barycentrics.
+    pub fn values(&self, vertices: &[Vec3; 3], hit: &Enclosure, observer: &mut impl TierObserver) -> TriangleHit {
+        let mut tier = Tier::Certificate;
+        let t = self.round_t(vertices, hit, &mut tier);
+        let b = self.frame.shear(vertices).barycentrics().unwrap_or_else(|| {
+            tier = Tier::Exact;
+            self.line.approximate(vertices).b
+        });
+        observer.decided(tier);
+        // Not −0.
+        let [u, v] = b.map(|b| (b.clamp(0.0, 1.0) + 0.0) as f32);
+        TriangleHit { t, u, v }
+    }
+
+    fn round_t(&self, vertices: &[Vec3; 3], hit: &Enclosure, tier: &mut Tier) -> f32 {
+        let [mut low, mut high] = hit.rounded();
+        if low == high {
+            return low;
+        }
+        *tier = Tier::Exact;
+        if low.next_up() < high {
+            [low, high] = Enclosure::exactly(&self.line, vertices).rounded();
+        }
+        // Now they are neighbours or equal, and what lies between them rounds to the nearer; the middle is an f64.
+        let middle = 0.5 * (f64::from(low) + f64::from(high));
+        match self.line.cmp_t(vertices, middle) {
+            Ordering::Less => low,
+            Ordering::Equal if low.to_bits() & 1 == 0 => low,
+            _ => high,
+        }
+    }
+}

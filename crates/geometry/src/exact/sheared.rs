@@ -1,0 +1,115 @@
+//! The first two tiers: a triangle in the frame of the ray, in f64, and how wrong that can be.
+
+use glam::{DVec3, Vec3};
+
+use crate::Bounds3;
+
+/// Half the spacing of f64 at 1: the relative error of one rounding.
+const U: f64 = f64::EPSILON / 2.0;
+
+/// 2⁻⁷⁰⁰: more than underflow can add to an edge function, and less than any edge function of f32 data but zero.
+///
+/// A product is wrong by up to 2⁻¹⁰⁷⁵ where it underflows; sums never are. In an edge function that is multiplied by two
+/// coordinates below 2¹³¹ at most. Of f32 data an edge function is a multiple of 2⁻⁴⁴⁷, over a component of the direction
+/// that is below 2¹²⁸.
+const TINY: f64 = f64::from_bits((1023 - 700) << 52);
+
+/// The frame in which the ray is the z axis: that of Woop, Benthin and Wald 2013 in f64, with kz the axis of the largest
+/// component of the direction, so that |Sx| and |Sy| are at most 1.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Frame {
+    kx: usize,
+    ky: usize,
+    kz: usize,
+    /// The origin in the order kx, ky, kz.
+    origin: [f64; 3],
+    sx: f64,
+    sy: f64,
+}
+
+/// A triangle in the frame of a ray.
+///
+/// *Errors*, with u = 2⁻⁵³ and to first order; the factors below leave a quarter and more for the rest, the roundings of
+/// the bounds included. A coordinate x = pₓ − Sₓ p_z is wrong by δ <= 2u |pₓ| + 4u |Sₓ p_z|: one rounding in each p, one
+/// in Sₓ, one in the product, one in the difference. An edge function e = x_c y_b − y_c x_b is then wrong by
+/// E <= 2δ (X + Y + δ) + 4u X Y, where X and Y bound the coordinates.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Sheared {
+    x: [f64; 3],
+    y: [f64; 3],
+    z: [f64; 3],
+    /// The edge functions, each that of the edge opposite to its vertex; in real arithmetic a common multiple of
+    /// det[pⱼ, pₖ, d].
+    edges: [f64; 3],
+}
+
+impl Frame {
+    pub(super) fn new(origin: DVec3, direction: DVec3) -> Self {
+        let d = direction.abs();
+        let kz = if d.x >= d.y && d.x >= d.z {
+            0
+        } else if d.y >= d.z {
+            1
+        } else {
+            2
+        };
+        let (kx, ky) = ((kz + 1) % 3, (kz + 2) % 3);
+        let origin = [origin[kx], origin[ky], origin[kz]];
+        Self { kx, ky, kz, origin, sx: direction[kx] / direction[kz], sy: direction[ky] / direction[kz] }
+    }
+
+    /// A bound on the error of the edge functions of every triangle inside of `bounds`: with M the largest coordinate
+    /// relative to the origin, δ <= 6u M and X, Y <= 2M give 64 u M² to first order. Doubled. Infinite for bounds that are
+    /// empty.
+    pub(super) fn edge_error(&self, bounds: &Bounds3) -> f64 {
+        let [kx, ky, kz] = [self.kx, self.ky, self.kz];
+        let o = DVec3::from_array(self.origin);
+        let corner = |c: Vec3| DVec3::new(c[kx].into(), c[ky].into(), c[kz].into());
+        let m = (corner(bounds.min) - o).abs().max((corner(bounds.max) - o).abs()).max_element();
+        128.0 * U * m * m + TINY
+    }
+
+    #[inline]
+    pub(super) fn shear(&self, vertices: &[Vec3; 3]) -> Sheared {
+        let mut sheared = Sheared { x: [0.0; 3], y: [0.0; 3], z: [0.0; 3], edges: [0.0; 3] };
+        for (i, v) in vertices.iter().enumerate() {
+            let v: &[f32; 3] = v.as_ref();
+            let z = f64::from(v[self.kz]) - self.origin[2];
+            sheared.x[i] = f64::from(v[self.kx]) - self.origin[0] - self.sx * z;
+            sheared.y[i] = f64::from(v[self.ky]) - self.origin[1] - self.sy * z;
+            sheared.z[i] = z;
+        }
+        let (x, y) = (&sheared.x, &sheared.y);
+        sheared.edges = [x[2] * y[1] - y[2] * x[1], x[0] * y[2] - y[0] * x[2], x[1] * y[0] - y[1] * x[0]];
+        sheared
+    }
+}
+
+impl Sheared {
+    /// The smallest and the largest edge function.
+    #[inline]
+    pub(super) fn edge_range(&self) -> [f64; 2] {
+        let [a, b, c] = self.edges;
+        // The comparisons fail for NaN, which cannot be: everything is finite.
+        let (low, high) = if a < b { (a, b) } else { (b, a) };
+        [if c < low { c } else { low }, if c > high { c } else { high }]
+    }
+
+    /// A bound on the errors of these edge functions: with R >= X, Y and Z bounding the coordinates,
+    /// |pₓ| <= R + Z and so δ <= 2u R + 6u Z, here 8u (R + Z); and E <= δ (4.5 R + 2δ), here 5 δ (R + δ).
+    pub(super) fn edge_error(&self) -> f64 {
+        let largest = |values: &[f64; 3], least: f64| values.iter().fold(least, |m: f64, x| m.max(x.abs()));
+        let r = largest(&self.x, largest(&self.y, 0.0));
+        let delta = 8.0 * U * (r + largest(&self.z, 0.0));
+        5.0 * delta * (r + delta) + TINY
+    }
+
+    /// The barycentrics eᵢ / Σe of the second and the third vertex, where they are certain within 2⁻²⁴.
+    ///
+    /// Each is wrong by (E + 3E |bᵢ|) / (Σe − 3E) at most, 4E / Σe to first order, and by three roundings.
+    pub(super) fn barycentrics(&self) -> Option<[f64; 2]> {
+        let [e0, e1, e2] = self.edges;
+        let sum = e0 + e1 + e2;
+        (sum.abs() >= 2.0_f64.powi(27) * self.edge_error()).then(|| [e1 / sum, e2 / sum])
+    }
+}

@@ -1,0 +1,142 @@
+//! The exact answers, computed once for all configurations.
+
+use bvh_flat::geometry::glam::{DAffine3, Vec3};
+use bvh_flat::geometry::{Ray, TriangleMesh};
+use bvh_flat::primitive::Placement;
+use hard_cases::{Aim, Random, aimed_rays};
+use oracle::{Closest, ExactHit, ExactTransform, MeshOracle, Oracle, OracleList, PointLocation, SphereOracle, Tally};
+use rayon::prelude::*;
+use scene::{CompiledScene, ObjectId, RaySegment, RaySets, Scene, SceneShape};
+
+use crate::input::SEED;
+
+/// Ray sets with their exact answers.
+pub struct Truth {
+    pub sets: Vec<JudgedSet>,
+    pub leak_tests: Vec<LeakTest>,
+}
+
+/// A set of rays with its exact answers.
+pub struct JudgedSet {
+    pub kind: &'static str,
+    pub rays: Vec<JudgedRay>,
+}
+
+/// A ray with its exact answer.
+pub struct JudgedRay {
+    pub segment: RaySegment,
+    pub exact: Option<Closest>,
+}
+
+/// Rays from inside of a closed mesh, aimed at where meshes leak.
+pub struct LeakTest {
+    /// The mesh, as the compiled scene numbers them.
+    pub mesh: usize,
+    pub aim: Aim,
+    pub rays: Vec<Ray>,
+}
+
+/// Beyond this many primitives, instances counted like copies, the oracle is not asked.
+const LARGEST: u64 = 20_000_000;
+
+impl Truth {
+    /// The exact answers to at most `count` rays of each set, all at the camera's opening time, at which every transform
+    /// is a matrix and hence exact; and rays that test closed meshes for leaks. `None` for a scene too large.
+    pub fn new(compiled: &CompiledScene, sets: &RaySets, count: usize) -> Option<Self> {
+        use bvh_flat::primitive::Primitive;
+        let scene = compiled.scene();
+        if compiled.world().primitive_count() > LARGEST {
+            return None;
+        }
+        let time = scene.camera.map_or(0.0, |camera| camera.shutter[0]);
+        let oracle = object_oracle(scene, ObjectId::WORLD, &ExactTransform::new(&DAffine3::IDENTITY)?, time)?;
+        let judged = |segment: &RaySegment| {
+            let segment = RaySegment { ray: segment.ray.at_time(time), ..*segment };
+            let exact = oracle.closest(&segment.ray, segment.interval, &mut Tally::default());
+            JudgedRay { segment, exact }
+        };
+        let sets = sets.named().map(|(kind, rays)| {
+            // Every n-th, so that a part of the set looks like all of it.
+            let step = rays.len().div_ceil(count).max(1);
+            let chosen: Vec<&RaySegment> = rays.iter().step_by(step).collect();
+            JudgedSet { kind, rays: chosen.into_par_iter().map(judged).collect() }
+        });
+        Some(Self { sets: sets.into(), leak_tests: leak_tests(compiled, count) })
+    }
+}
+
+/// The oracle of an object's geometries and instances, in the order of the compiled scene's primitives. `None` where a
+/// transform is not exact.
+fn object_oracle(scene: &Scene, object: ObjectId, to_world: &ExactTransform, time: f32) -> Option<OracleList> {
+    let object = &scene.objects()[object.index()];
+    let mut members: Vec<Box<dyn Oracle>> = Vec::new();
+    for &number in &object.geometries {
+        let geometry = &scene.geometries()[number as usize];
+        members.push(match &geometry.shape {
+            shape if !geometry.surface.has_material() => Box::new(NotHit(shape.primitive_count())),
+            SceneShape::Mesh(mesh) => Box::new(MeshOracle::instance(mesh, to_world.clone())),
+            SceneShape::Sphere(sphere) => Box::new(SphereOracle::instance(sphere, to_world.clone())),
+        });
+    }
+    for instance in &object.instances {
+        let matrix = match &instance.placement {
+            Placement::Static(transform) => *transform,
+            Placement::Animated(motion) => motion.at(time),
+        };
+        let inner = to_world.then_inside(&ExactTransform::new(matrix.matrix())?);
+        members.push(Box::new(object_oracle(scene, instance.object, &inner, time)?));
+    }
+    Some(OracleList::new(members))
+}
+
+/// What no ray is hit by, but counts.
+struct NotHit(u64);
+
+impl Oracle for NotHit {
+    fn primitive_count(&self) -> u64 {
+        self.0
+    }
+
+    fn all_hits(&self, _: &Ray, _: bvh_flat::geometry::Interval, _: &mut Tally) -> Vec<ExactHit> {
+        Vec::new()
+    }
+}
+
+/// Of each closed mesh, rays from inside: `count` in all for each aim, by the meshes' numbers of triangles.
+fn leak_tests(compiled: &CompiledScene, count: usize) -> Vec<LeakTest> {
+    let closed: Vec<usize> = (0..compiled.meshes().len())
+        .filter(|&i| scene::meshes::is_closed(compiled.meshes()[i].mesh()) && !compiled.meshes()[i].mesh().is_empty())
+        .collect();
+    let triangles: usize = closed.iter().map(|&i| compiled.meshes()[i].mesh().len()).sum();
+    let mut tests = Vec::new();
+    for &i in &closed {
+        let mesh = compiled.meshes()[i].mesh();
+        let share = (count * mesh.len()).div_ceil(triangles.max(1));
+        let mut random = Random::new(SEED, i as u64);
+        let inside = points_inside(mesh, &mut random);
+        if inside.is_empty() {
+            continue;
+        }
+        for aim in [Aim::Edge, Aim::Vertex, Aim::Corner] {
+            let rays = aimed_rays(mesh, aim, share, &mut random, |random| inside[random.below(inside.len())]).collect();
+            tests.push(LeakTest { mesh: i, aim, rays });
+        }
+    }
+    tests
+}
+
+/// Some points that the oracle knows to be inside: tried below the middles of triangles.
+fn points_inside(mesh: &TriangleMesh, random: &mut Random) -> Vec<Vec3> {
+    let oracle = MeshOracle::new(mesh);
+    let size = bvh_flat::geometry::Shape::object_bound(mesh).diagonal().length();
+    let mut inside = Vec::new();
+    for _ in 0..64 {
+        let [a, b, c] = mesh.vertices(random.below(mesh.len()));
+        let n = (b - a).cross(c - a).normalize_or_zero();
+        let p = (a + b + c) / 3.0 - n * (size * 0.2 * random.unit() * random.unit());
+        if oracle.locate(p, &mut Tally::default()) == PointLocation::Inside {
+            inside.push(p);
+        }
+    }
+    inside
+}
