@@ -113,18 +113,36 @@ fn render_draws_every_view() {
 #[test]
 fn sweep_prints_its_tables_and_writes_its_results() {
     let folder = directory();
-    let (code, text) = run(&["sweep", "--rays", "512", "--rounds", "1"], folder.path());
+    let (code, text) = run(&["sweep", "--rays", "512", "--rounds", "1", "--judged-rays", "64"], folder.path());
     assert_eq!(code, 0, "{text}");
-    for word in ["sah", "hlbvh", "middle", "equal-counts", "primary", "shadow", "diffuse", "random", "Mray/s"] {
+    let words = ["sah", "hlbvh", "middle", "equal-counts", "primary", "shadow", "diffuse", "random", "Mray/s"];
+    for word in words.into_iter().chain(["watertight", "moller-trumbore", "vertex leaks", "verdict", "0 (<"]) {
         assert!(text.contains(word), "{word} is not in: {text}");
     }
     let lines = std::fs::read_to_string(folder.path().join("target/sweep/latest/results.jsonl")).expect("written");
-    assert_eq!(lines.lines().count(), 16);
+    assert_eq!(lines.lines().count(), 64);
     for line in lines.lines() {
         let value: serde_json::Value = serde_json::from_str(line).expect("JSON");
         assert!(value["closest_mrays_per_s"].as_f64().is_some_and(|x| x > 0.0));
         assert!(value["build_ms"].as_f64().is_some_and(|x| x > 0.0));
+        assert_eq!(value["judged_rays"].as_u64().map(|n| n > 20), Some(true));
+        if value["triangle_test"] == "watertight" && value["box_test"] == "padded" {
+            assert_eq!(value["bound_violations"], 0);
+            assert_eq!(value["leaks"]["vertices"][0], 0);
+        }
     }
+}
+
+#[test]
+fn verify_compares_a_scene_with_the_exact_answers() {
+    let folder = directory();
+    square(folder.path());
+    let (code, text) = run(&["verify", "square.obj"], folder.path());
+    assert_eq!(code, 0, "{text}");
+    assert!(text.contains("primary") && text.contains("no mesh is closed"), "{text}");
+    let (code, text) = run(&["verify", "--case", "Z99"], folder.path());
+    assert_eq!(code, 1);
+    assert!(text.contains("Z99"), "{text}");
 }
 
 /// Exit codes and words for what cannot work.
@@ -166,7 +184,7 @@ fn bad_input_is_refused_with_words() {
 #[test]
 fn help_is_there_for_every_command() {
     let folder = directory();
-    for command in ["sweep", "render", "trace"] {
+    for command in ["sweep", "render", "trace", "verify"] {
         let (code, text) = run(&[command, "--help"], folder.path());
         assert_eq!(code, 0);
         assert!(text.contains("Usage: cargo xtask") && text.contains("builtin:stadium"), "{text}");
