@@ -178,14 +178,15 @@ fn closed_meshes() {
     let mut all = Findings::default();
     for (subdivisions, spikes) in [(0, 0.0), (2, 0.3), (3, 3.0), (3, 300.0)] {
         let answers = Answers::new(star(subdivisions, spikes, 5));
-        let rays = aimed(&answers.exact[0], 500, 1, |r, i| if i % 2 == 0 { 0.3 * r.vector() } else { 3.0 * r.vector() });
+        let rays =
+            aimed(&answers.exact[0], 200, 1, |r, i| if i % 2 == 0 { 0.3 * r.vector() } else { 3.0 * r.vector() });
         all = all.and(check_all(&answers, &rays, true));
         let inside: Vec<Ray> = rays.iter().filter(|ray| ray.origin.length() < 0.5).copied().collect();
         let hits = check_all(&answers, &inside, false).hits;
-        assert_eq!(hits, inside.len(), "a closed mesh leaks");
+        assert!(hits == inside.len() && hits > 300, "a closed mesh leaks: {hits} of {}", inside.len());
     }
-    assert!(all.rays > 50_000 && all.default_is_wrong > 500 && all.ties > 100, "{all:?}");
-    assert!(all.tiers.filter > 10 * all.tiers.exact && all.tiers.exact > 1_000, "{all:?}");
+    assert!(all.rays > 25_000 && all.default_is_wrong > 500 && all.ties > 100, "{all:?}");
+    assert!(all.tiers.filter > 5 * all.tiers.exact && all.tiers.exact > 10_000, "{all:?}");
 }
 
 /// T05: everything is exactly zero.
@@ -221,9 +222,9 @@ fn needles_and_slivers() {
         }
     });
     let answers = Answers::new(mesh_of(triangles.collect::<Vec<_>>()));
-    let rays = aimed(&answers.exact[0], 600, 3, |r, _| 2.0 * r.vector());
+    let rays = aimed(&answers.exact[0], 300, 3, |r, _| 2.0 * r.vector());
     let all = check_all(&answers, &rays, true);
-    assert!(all.hits > 2_000 && all.tiers.exact > 500, "{all:?}");
+    assert!(all.hits > 1_000 && all.tiers.exact > 500, "{all:?}");
 }
 
 /// S18, T20: planes an ulp apart that cross each other, and double layers 1 to 4 ulp apart.
@@ -231,7 +232,7 @@ fn needles_and_slivers() {
 fn near_ties() {
     let mut random = Random::new(13);
     let mut all = Findings::default();
-    for i in 0..120 {
+    for i in 0..200 {
         let mut v = [random.vector(), random.vector(), random.vector()];
         if i % 3 == 0 {
             v = v.map(|p| p + Vec3::splat(1_000.0));
@@ -242,15 +243,23 @@ fn near_ties() {
             1 => (0..ulps).fold(x, |x, _| x.next_down()),
             _ => x,
         };
-        // Each layer is the first with some coordinates moved; two of them are the same.
+        // Each layer is the first with some coordinates moved, or folded about its first edge; two of them are the same.
+        let is_fold = i % 2 == 0;
         let mut layers = vec![v];
-        layers.extend((0..4).map(|_| v.map(|p| Vec3::from_array(p.to_array().map(&mut moved)))));
+        for _ in 0..4 {
+            let mut layer = v;
+            for p in layer.iter_mut().skip(if is_fold { 2 } else { 0 }) {
+                *p = Vec3::from_array(p.to_array().map(&mut moved));
+            }
+            layers.push(layer);
+        }
         layers.push(layers[2]);
         let answers = Answers::new(mesh_of(layers));
         let rays: Vec<Ray> = (0..60)
             .map(|j| {
-                let (s, t) = (random.unit(), random.unit());
-                let target = v[0] + s * (1.0 - t) * (v[1] - v[0]) + s * t * (v[2] - v[0]);
+                // Beside the fold their t* differ by less than f64 can tell.
+                let t = random.unit() * if is_fold && j % 3 != 0 { 1e-6 } else { 1.0 };
+                let target = v[0].lerp(v[1], random.unit()).lerp(v[2], t);
                 let origin = if j % 2 == 0 { v[0] + 3.0 * random.vector() } else { 9.0 * random.vector() };
                 Ray::new(origin, target - origin)
             })
@@ -270,7 +279,7 @@ fn all_scales() {
         let positions = sphere.positions().iter().map(|p| factor(scale) * p).collect();
         let mesh = TriangleMesh::new(positions, sphere.triangles().to_vec()).expect("indices are in range");
         let answers = Answers::new(mesh);
-        let mut rays = aimed(&answers.exact[0], 100, i as u64, |r, _| factor(scale) * 2.0 * r.vector());
+        let mut rays = aimed(&answers.exact[0], 70, i as u64, |r, _| factor(scale) * 2.0 * r.vector());
         for (j, ray) in rays.iter_mut().enumerate() {
             let e = [0, -scale, 60, -60, -scale - 20][j % 5];
             ray.direction = (ray.direction.as_dvec3() * 2.0_f64.powi(e)).as_vec3();
@@ -342,7 +351,7 @@ fn instances() {
         let answers = Answers::instance(mesh, map);
         let place = answers.place;
         assert_eq!(linear * place.inverse_matrix().matrix3, DMat3::IDENTITY);
-        let rays: Vec<Ray> = aimed(&answers.exact[0], 400, i as u64, |r, _| 3.0 * r.vector())
+        let rays: Vec<Ray> = aimed(&answers.exact[0], 250, i as u64, |r, _| 3.0 * r.vector())
             .iter()
             .map(|local| {
                 // Aimed in world space, where vertices are rounded: the ray passes them closely.
@@ -361,7 +370,7 @@ fn instances() {
             .collect();
         all = all.and(check_all(&answers, &rays, true));
     }
-    assert!(all.hits > 3_000 && moved > 1_000, "{moved} {all:?}");
+    assert!(all.hits > 2_000 && moved > 1_000, "{moved} {all:?}");
 }
 
 /// What is not a number, infinite or too far away is never hit, and moves no index.
@@ -379,7 +388,7 @@ fn inactive_triangles() {
     let answers = Answers::new(mesh_of(triangles.collect::<Vec<_>>()));
     let rays: Vec<Ray> = (0..2_000).map(|_| Ray::new(2.0 * random.vector(), random.vector())).collect();
     let all = check_all(&answers, &rays, false);
-    assert!(all.hits > 300, "{all:?}");
+    assert!(all.hits > 200, "{all:?}");
     for mesh in [mesh_of([]), mesh_of([[Vec3::NAN; 3]])] {
         let empty = Answers::new(mesh);
         assert_eq!(check_all(&empty, &rays[..50], false).hits, 0);

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use anyhow::Result;
+use anyhow::{Result, ensure};
 use bvh_flat::{BuildConfig, SplitMethod};
 use clap::ValueEnum;
 use scene::{BuiltIn, Camera, CompiledScene, Scene};
@@ -43,6 +43,8 @@ impl SceneSource {
         for warning in &scene.warnings {
             eprintln!("warning: {}: {warning}", self.name());
         }
+        let can_be_hit = scene.geometries().iter().any(|g| g.shape.bounds().is_valid());
+        ensure!(can_be_hit, "{}: there is nothing in it that a ray could hit", self.name());
         Ok(scene)
     }
 }

@@ -18,7 +18,8 @@ pub struct Arguments {
     #[arg(help = SCENE_HELP, value_parser = SceneSource::parse)]
     scene: SceneSource,
     /// The rays: a .rays file (little-endian f32 records ox oy oz tmin dx dy dz tmax) or a .npy file with a float32 array
-    /// of shape (N, 8), in the same order
+    /// of shape (N, 8), in the same order. Hits have tmin < t < tmax, both ends excluded; a record with NaN, a zero
+    /// direction or a negative tmin is a miss
     #[arg(long, value_name = "FILE")]
     rays: PathBuf,
     /// Where the hits go: a structured .npy array with the fields t (+inf on a miss), instance, geometry, primitive
@@ -99,8 +100,15 @@ fn read_npy(path: &Path) -> Result<Vec<RaySegment>> {
         path.display(),
         npy.shape()
     );
-    let values: Vec<f32> =
-        npy.into_vec().with_context(|| format!("{}: the array must be of float32", path.display()))?;
+    ensure!(npy.dtype().descr() == "'<f4'", "{}: the array must be of little-endian float32", path.display());
+    let expected = npy.shape()[0].checked_mul(32);
+    ensure!(
+        expected.is_some_and(|bytes_of_rays| bytes_of_rays <= bytes.len() as u64),
+        "{}: the file ends before the {} rays that its header promises",
+        path.display(),
+        npy.shape()[0]
+    );
+    let values: Vec<f32> = npy.into_vec().with_context(context)?;
     let segment = |v: &[f32]| RaySegment {
         ray: Ray::new([v[0], v[1], v[2]], [v[4], v[5], v[6]]),
         interval: Interval::new(v[3], v[7]),

@@ -1,5 +1,6 @@
 //! A triangle mesh with its tree, decided about exactly.
 
+use std::cell::LazyCell;
 use std::ops::{ControlFlow, Range};
 use std::sync::Arc;
 
@@ -16,7 +17,8 @@ use crate::{FlatBvh, MeshBvh};
 /// hit is the closest, and of equal t* which triangle is the first. See [`geometry::exact`] for what that means, and
 /// [`ExactRay::values`] for `t`, `u` and `v`. The answer is the same, bit for bit, for every tree.
 ///
-/// Between this mesh and other shapes the closer is decided by the rounded `t`, as everywhere.
+/// Between this mesh and other shapes, and by visitors of its hits, the closer is decided by the rounded `t`, as
+/// everywhere.
 ///
 /// *No tree loses a hit.* The exact ray is in the triangle at t*, so in the box of every node above it. The padded test
 /// gives an entry `fl(x)` with x <= t* and an exit `fl(y)` with y >= t*; as rounding is monotone, entry <= exit, and the
@@ -68,8 +70,9 @@ impl ExactMesh {
         (is_hit, counts)
     }
 
-    fn exact_ray(&self, ray: &TraversalRay) -> ExactRay {
-        ExactRay::new(ray, &self.bvh().bounds())
+    /// Prepared at the first leaf: many rays come to none.
+    fn exact_ray(&self, ray: &TraversalRay) -> LazyCell<ExactRay, impl FnOnce() -> ExactRay> {
+        LazyCell::new(|| ExactRay::new(ray, &self.bvh().bounds()))
     }
 
     #[inline]
@@ -122,9 +125,7 @@ impl ExactMesh {
     fn any(&self, ray: &TraversalRay, interval: Interval, observer: &mut impl TierObserver) -> bool {
         let exact = self.exact_ray(ray);
         let leaf = |mut range: Range<usize>, _: Interval| {
-            range.any(|place| {
-                exact.intersect_triangle(&self.ordered_vertices[place], interval, observer).is_some()
-            })
+            range.any(|place| exact.intersect_triangle(&self.ordered_vertices[place], interval, observer).is_some())
         };
         match is_rounded(ray) {
             false => self.bvh().intersect_p::<Watertight>(ray, interval, leaf),
@@ -189,28 +190,123 @@ fn is_rounded(ray: &TraversalRay) -> bool {
 
 /// The padded box test for a ray whose f32 form is rounded: conservative for the f64 ray.
 ///
-/// The box grows by more than the origin moved. The direction is wrong by one rounding, u relatively, which the padding
-/// of 12 u has room for beside its own 4 u. A component too small for that does not bound the ray.
+/// The box grows by more than the origin moved. The direction is wrong by one rounding, u relatively, and the padding of
+/// 12 u has room for it beside its own 4 u. Near 2¹²⁷ its own are 10 u, since reciprocals are denormal; near 2⁻¹²⁷ the
+/// direction is, and wrong by 4 u. Smaller components have no finite reciprocal: f32::MAX, which is less, stands for it
+/// where the ray enters, and nothing bounds it where it leaves.
 #[derive(Clone, Copy, Debug)]
 struct RoundedRay;
 
 impl Kernels for RoundedRay {
     #[inline]
     fn enter(ray: &TraversalRay, bounds: &Bounds3, interval: Interval) -> Option<f32> {
-        let (o, d) = (ray.ray().origin, ray.ray().direction);
+        let o = ray.ray().origin;
         // u |o| is how far the origin moved, u (|b| + w) how far the new plane is rounded: 4u and more are for each.
         let width = |b: Vec3| (o.abs() + b.abs()) * (2.0 * f32::EPSILON) + Vec3::splat(f32::MIN_POSITIVE);
-        let mut grown = Bounds3::new(bounds.min - width(bounds.min), bounds.max + width(bounds.max));
-        for i in 0..3 {
-            if d[i].abs() < f32::MIN_POSITIVE && ray.direction64()[i] != 0.0 {
-                (grown.min[i], grown.max[i]) = (f32::NEG_INFINITY, f32::INFINITY);
-            }
-        }
+        let grown = Bounds3::new(bounds.min - width(bounds.min), bounds.max + width(bounds.max));
         ray.enter(&grown, interval)
     }
 
     #[inline]
     fn intersect_triangle(ray: &TraversalRay, vertices: &[Vec3; 3], interval: Interval) -> Option<TriangleHit> {
         geometry::exact::intersect_triangle_exact(ray, vertices, interval)
+    }
+}
+
+#[cfg(all(test, feature = "build"))]
+mod tests {
+    use super::*;
+    use crate::{BuildConfig, SplitMethod};
+    use geometry::Ray;
+    use geometry::exact::intersect_triangle_exact;
+    use geometry::glam::DVec3;
+
+    /// A small generator: the crate has no random numbers.
+    struct Random(u64);
+
+    impl Random {
+        fn signed(&mut self) -> f64 {
+            self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (self.0 >> 11) as f64 * 2.0_f64.powi(-52) - 1.0
+        }
+
+        fn vector(&mut self) -> DVec3 {
+            DVec3::new(self.signed(), self.signed(), self.signed())
+        }
+    }
+
+    /// Rays of f64 and tiny triangles on their way, in places that no f32 ray passes.
+    fn case(i: usize, random: &mut Random) -> (Vec<TraversalRay>, TriangleMesh) {
+        let size = [1.0, 1e3, 1e6, 1e-9][i % 4];
+        let mut rays = Vec::new();
+        let mut positions = Vec::new();
+        for j in 0..20 {
+            let origin = size * random.vector();
+            let mut direction = random.vector();
+            match j % 5 {
+                1 => direction.x = 1e-42 * random.signed(),
+                2 => direction *= 4e-45,
+                3 => direction = direction.with_y(1e-50).with_z(0.0),
+                4 => direction *= [1.6e38, 1e-38][i % 2],
+                _ => {}
+            }
+            rays.extend(TraversalRay::from_f64(origin, direction, 0.0));
+            for k in [0, 1, 2, 3, 3, 3, 3, 3, 3, 3] {
+                // Near the origin the padding, which grows with the distance, does not cover its rounding.
+                let p = origin + 10.0_f64.powi(-2 * k) * size * direction.normalize() * random.signed();
+                let extent = 1e-7 * size;
+                positions.extend([0; 3].map(|_| (p + extent * random.vector()).as_vec3()));
+            }
+        }
+        let triangles = (0..positions.len() as u32 / 3).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+        (rays, TriangleMesh::new(positions, triangles).expect("indices are in range"))
+    }
+
+    #[test]
+    fn rays_that_f32_does_not_hold_lose_nothing() {
+        let mut random = Random(1);
+        let (mut hits, mut lost_by_the_f32_box) = (0, 0);
+        for i in 0..200 {
+            let (rays, mesh) = case(i, &mut random);
+            let method = SplitMethod::ALL[i / 4 % SplitMethod::ALL.len()];
+            let config = BuildConfig::new(method).with_max_primitives_in_leaf(1);
+            let exact = MeshBvh::build(mesh, &config).expect("the configuration is valid").exact();
+            for ray in &rays {
+                assert!(is_rounded(ray));
+                let vertices = |i: usize| exact.mesh().vertices(i);
+                let all = |i: usize| Some((i, intersect_triangle_exact(ray, &vertices(i), Interval::FULL)?));
+                let naive: Vec<(usize, TriangleHit)> = (0..exact.mesh().len()).filter_map(all).collect();
+                let mut found = Vec::new();
+                let _ = exact.visit_hits(ray, Interval::FULL, &mut |hit: Hit| {
+                    found.push(hit.primitive as usize);
+                    ControlFlow::Continue(f32::INFINITY)
+                });
+                found.sort_unstable();
+                assert_eq!(found, naive.iter().map(|(i, _)| *i).collect::<Vec<_>>(), "{ray:?}");
+                assert_eq!(exact.intersect_p(ray, Interval::FULL), !naive.is_empty());
+                let least = naive.iter().map(|(_, h)| h.t).min_by(f32::total_cmp);
+                assert_eq!(exact.intersect(ray, Interval::FULL).map(|h| h.t), least, "{ray:?}");
+                hits += naive.len();
+                let is_lost = |i: usize| ray.enter(&Bounds3::from_points(vertices(i)), Interval::FULL).is_none();
+                lost_by_the_f32_box += naive.iter().filter(|(i, _)| is_lost(*i)).count();
+            }
+        }
+        assert!(hits > 1_000 && lost_by_the_f32_box > 20, "{hits} {lost_by_the_f32_box}");
+    }
+
+    #[test]
+    fn tiers_are_counted() {
+        let mesh = TriangleMesh::new(vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::ONE], vec![[0, 1, 2], [1, 3, 2]]);
+        let bvh = MeshBvh::build(mesh.expect("in range"), &BuildConfig::default()).expect("the default is valid");
+        let exact = bvh.exact();
+        let down = |x: f32, y: f32| TraversalRay::new(&Ray::new([x, y, 2.0], [0.0, 0.0, -1.0])).expect("valid");
+        let (hit, counts) = exact.intersect_counted(&down(0.25, 0.25), Interval::FULL);
+        assert_eq!((hit.map(|h| (h.t, h.primitive)), counts.exact), (Some((2.0, 0)), 0));
+        assert!(counts.certificate > 0);
+        // On the edge of both triangles, whose hits tie.
+        let (hit, counts) = exact.intersect_counted(&down(0.5, 0.5), Interval::FULL);
+        assert!(hit.is_some_and(|h| h.primitive == 0) && counts.exact > 0);
+        assert!(!exact.intersect_p_counted(&down(0.5, 0.5), Interval::up_to(1.0)).0);
+        assert_eq!((exact.primitive_count(), exact.object_bound()), (2, bvh.object_bound()));
     }
 }

@@ -5,6 +5,9 @@ use geometry::Bounds3;
 
 use crate::{BuildConfig, BuildError, BuildObserver, FlatBvh, LinearBvhNode};
 
+// Traversal's stack is as deep as trees are built.
+const _: () = assert!(bvh_build::MAX_DEPTH as usize <= crate::MAX_DEPTH);
+
 impl FlatBvh {
     /// Builds and flattens a tree over `bounds`. A primitive whose box is not [valid](Bounds3::is_valid) is inactive: it
     /// keeps its number, and no leaf has it.

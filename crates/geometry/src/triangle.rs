@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec2, Vec3};
 
-use crate::{Bounds3, Interval, SurfacePoint, TraversalRay};
+use crate::{Bounds3, Interval, MAX_COORDINATE, SurfacePoint, TraversalRay};
 
 /// Half the spacing of f64 at 1: the relative error of one rounding.
 const U64: f64 = f64::EPSILON / 2.0;
@@ -39,9 +39,30 @@ pub fn intersect_triangle(ray: &TraversalRay, vertices: &[Vec3; 3], interval: In
         return None;
     }
     let weights = Weights::of_plane_hit(ray, vertices)?;
-    let entry = ray.enter(&Bounds3::from_points(*vertices), interval)?;
+    let entry = ray.enter(&triangle_bounds(vertices), interval)?;
     let t = (weights.t as f32).max(entry);
     interval.contains(t).then(|| TriangleHit { t, u: weights.b[1] as f32, v: weights.b[2] as f32 })
+}
+
+/// The box of a triangle, grown by 2⁻²¹ of its largest extent: with it, no box test loses a hit of the triangle test.
+///
+/// A vertex is displaced by the roundings of its sheared coordinates, by at most 2u |pₓ| + 4u |Sₓ p_z| with u = 2⁻²⁴ and p
+/// its position relative to the origin. Relative to the hit h, |pₓ| <= |hₓ| + L and |Sₓ p_z| <= |hₓ| + L for the largest
+/// extent L, so the triangle may seem hit up to 6u |hₓ| + 6u L beside itself. The first part is in the ray's padding; the
+/// second, which a far vertex of a long triangle brings, must be in the box: 8u L, rounded outward.
+///
+/// Not [valid](Bounds3::is_valid) where a coordinate is NaN, infinite or beyond [`MAX_COORDINATE`].
+#[inline]
+pub fn triangle_bounds(vertices: &[Vec3; 3]) -> Bounds3 {
+    let tight = Bounds3::from_points(*vertices);
+    if !tight.is_valid() {
+        return tight;
+    }
+    let growth = Vec3::splat(tight.diagonal().max_element() * (4.0 * f32::EPSILON));
+    let limit = Vec3::splat(MAX_COORDINATE);
+    let low = (tight.min - growth).to_array().map(f32::next_down);
+    let high = (tight.max + growth).to_array().map(f32::next_up);
+    Bounds3::new(Vec3::from_array(low).max(-limit), Vec3::from_array(high).min(limit))
 }
 
 /// Whether the sheared ray passes through the closed triangle: all edge functions of one sign, and not all zero.
@@ -174,6 +195,28 @@ mod tests {
         }
         for (x, y) in [(-1e-7, 0.0), (0.5, 0.500_001), (0.5, -1e-30)] {
             assert!(hit([x, y, 1.0], [0.0, 0.0, -1.0]).is_none(), "{x} {y}");
+        }
+    }
+
+    /// A corridor of which the ray meets an edge whose ends are far away: the displacement by the far vertices is more
+    /// than the ray's own padding, and the box must contain it.
+    #[test]
+    fn long_edges_do_not_leak() {
+        for exponent in 0..8 {
+            let l = 10.0_f32.powi(exponent);
+            let wall = [
+                [Vec3::new(-l, 0.0, 0.0), Vec3::new(l, 0.0, 0.0), Vec3::new(l, -4.0, 0.0)],
+                [Vec3::new(-l, 0.0, 0.0), Vec3::new(l, -4.0, 0.0), Vec3::new(-l, -4.0, 0.0)],
+            ];
+            let roof = wall.map(|t| t.map(|v| Vec3::new(v.x, 0.0, v.y)));
+            for i in 0..2_000 {
+                let o = Vec3::new(0.001 * i as f32 - 1.0, -0.504_514, -0.488_323_33);
+                let beside = l * f32::EPSILON * ((i % 17) as f32 - 8.0) / 8.0;
+                let target = Vec3::new(o.x - 2.12 + 0.002 * i as f32, beside, -beside * 0.7);
+                let ray = TraversalRay::new(&Ray::new(o, target - o)).expect("valid");
+                let hit = wall.iter().chain(&roof).any(|t| intersect_triangle(&ray, t, Interval::FULL).is_some());
+                assert!(hit || target.x.abs() > l, "{l} {o} {target}");
+            }
         }
     }
 

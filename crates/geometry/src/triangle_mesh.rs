@@ -7,7 +7,7 @@ use thiserror::Error;
 
 use crate::{
     Bounds3, Hit, HitVisitor, Interval, Shape, SurfacePoint, TraversalRay, Visit, Work, intersect_triangle,
-    triangle_surface_point,
+    triangle_bounds, triangle_surface_point,
 };
 
 /// Triangles over shared vertices. Every index is in range by construction.
@@ -26,7 +26,7 @@ pub struct TriangleMesh {
 #[non_exhaustive]
 pub enum MeshError {
     /// An index names no vertex.
-    #[error("triangle {triangle} uses vertex {index}, but there are only {vertex_count} vertices (0 to {})", i64::from(*.vertex_count as u32) - 1)]
+    #[error("triangle {triangle} uses vertex {index}, but there are only {vertex_count} vertices, counted from 0")]
     IndexOutOfRange {
         /// The triangle with the index.
         triangle: usize,
@@ -118,12 +118,12 @@ impl TriangleMesh {
         self.triangles[i].map(|v| self.positions[v as usize])
     }
 
-    /// The box of triangle `i`, not [valid](Bounds3::is_valid) where the triangle is inactive.
+    /// The [box](crate::triangle_bounds) of triangle `i`, not [valid](Bounds3::is_valid) where the triangle is inactive.
     ///
     /// # Panics
     /// Where `i` is not below [`len`](Self::len).
     pub fn triangle_bounds(&self, i: usize) -> Bounds3 {
-        Bounds3::from_points(self.vertices(i))
+        triangle_bounds(&self.vertices(i))
     }
 
     /// The surface of triangle `i` where `ray` meets its plane.
@@ -157,7 +157,7 @@ impl Shape for TriangleMesh {
         for i in 0..self.len() {
             let vertices = self.vertices(i);
             let Some(h) = intersect_triangle(ray, &vertices, interval) else { continue };
-            if !Bounds3::from_points(vertices).is_valid() {
+            if !triangle_bounds(&vertices).is_valid() {
                 continue;
             }
             let t_max = visitor.hit(Hit { t: h.t, u: h.u, v: h.v, primitive: i as u64 })?;

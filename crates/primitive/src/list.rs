@@ -7,7 +7,7 @@ use geometry::{Bounds3, Hit, HitVisitor, Interval, MappedVisitor, TraversalRay, 
 use crate::{HitKind, Primitive, SurfaceInteraction};
 
 /// Primitives in a row, all of them tested: the reference for every other aggregate. The primitives of its members are
-/// numbered one member after the other.
+/// numbered one member after the other; numbers beyond 2⁶⁴ − 1 are not told apart.
 #[derive(Clone, Debug)]
 pub struct PrimitiveList<P> {
     members: Vec<P>,
@@ -19,10 +19,10 @@ impl<P: Primitive> PrimitiveList<P> {
     /// The list of `members`, in this order.
     pub fn new(members: Vec<P>) -> Self {
         let mut first = Vec::with_capacity(members.len() + 1);
-        let mut count = 0;
+        let mut count = 0_u64;
         first.push(count);
         for member in &members {
-            count += member.primitive_count();
+            count = count.saturating_add(member.primitive_count());
             first.push(count);
         }
         Self { members, first }

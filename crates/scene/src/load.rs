@@ -12,7 +12,7 @@ use crate::{Scene, SceneError, gltf, obj, pbrt, ply, stl};
 #[non_exhaustive]
 pub enum LoadError {
     /// The file cannot be read.
-    #[error("{}: cannot be read: {source}", .path.display())]
+    #[error("{}: cannot be read", .path.display())]
     Io {
         /// The file.
         path: PathBuf,

@@ -11,7 +11,7 @@ use crate::Camera;
 /// Everything that a scene file says and this project models.
 ///
 /// Geometries are numbered in scene order, over all objects; object 0 is the world. An object only instances objects
-/// before the end of whose definition it began, so there are no cycles, by construction in [`SceneBuilder`].
+/// whose definition is complete, so there are no cycles, by construction in [`SceneBuilder`].
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
     geometries: Vec<Geometry>,
@@ -140,6 +140,9 @@ pub enum SceneError {
     /// More geometries or objects than 32-bit numbers can name.
     #[error("more than 2^32 geometries or objects")]
     TooLarge,
+    /// Instances of instances add up to more primitives, or paths, than can be numbered.
+    #[error("the instances add up to more than 2^62 primitives")]
+    TooManyInstances,
 }
 
 /// Puts a scene together: geometries and instances go into the object that is open, the world at first.
@@ -148,7 +151,12 @@ pub struct SceneBuilder {
     scene: Scene,
     /// The objects being defined, the innermost last; the world is the first.
     open: Vec<ObjectId>,
+    /// For each object how many primitives and instance paths it has, instances counted like copies.
+    sizes: Vec<u64>,
 }
+
+/// The most primitives and instance paths together.
+const MAX_SIZE: u64 = 1 << 62;
 
 impl Default for SceneBuilder {
     fn default() -> Self {
@@ -160,7 +168,7 @@ impl SceneBuilder {
     /// An empty world.
     pub fn new() -> Self {
         let scene = Scene { objects: vec![Object::default()], ..Scene::default() };
-        Self { scene, open: vec![ObjectId::WORLD] }
+        Self { scene, open: vec![ObjectId::WORLD], sizes: vec![0] }
     }
 
     /// The tables of names, camera and warnings so far.
@@ -171,9 +179,10 @@ impl SceneBuilder {
     /// Adds a geometry to the open object; its number.
     ///
     /// # Errors
-    /// [`SceneError::TooLarge`].
+    /// [`SceneError::TooLarge`], [`SceneError::TooManyInstances`].
     pub fn add_geometry(&mut self, geometry: Geometry) -> Result<u32, SceneError> {
         let number = u32::try_from(self.scene.geometries.len()).map_err(|_| SceneError::TooLarge)?;
+        self.grow_open_object(geometry.shape.primitive_count())?;
         self.scene.geometries.push(geometry);
         self.open_object().geometries.push(number);
         Ok(number)
@@ -182,11 +191,12 @@ impl SceneBuilder {
     /// Places an object in the open one.
     ///
     /// # Errors
-    /// [`SceneError::Cycle`] where `object` is still open.
+    /// [`SceneError::Cycle`] where `object` is still open; [`SceneError::TooManyInstances`].
     pub fn add_instance(&mut self, object: ObjectId, placement: impl Into<Placement>) -> Result<(), SceneError> {
         if self.open.contains(&object) {
             return Err(SceneError::Cycle(self.scene.objects[object.index()].name.clone()));
         }
+        self.grow_open_object(self.sizes[object.index()] + 1)?;
         let instance = Instance { object, placement: placement.into() };
         self.open_object().instances.push(instance);
         Ok(())
@@ -200,6 +210,7 @@ impl SceneBuilder {
         let id = ObjectId(u32::try_from(self.scene.objects.len()).map_err(|_| SceneError::TooLarge)?);
         self.scene.objects.push(Object { name: name.into(), ..Object::default() });
         self.open.push(id);
+        self.sizes.push(0);
         Ok(id)
     }
 
@@ -237,6 +248,16 @@ impl SceneBuilder {
             ));
         }
         self.scene
+    }
+
+    fn grow_open_object(&mut self, by: u64) -> Result<(), SceneError> {
+        let open = self.open.last().map_or(0, |id| id.index());
+        let size = self.sizes[open].saturating_add(by);
+        if size > MAX_SIZE {
+            return Err(SceneError::TooManyInstances);
+        }
+        self.sizes[open] = size;
+        Ok(())
     }
 
     fn open_object(&mut self) -> &mut Object {

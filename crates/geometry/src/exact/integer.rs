@@ -163,7 +163,7 @@ mod tests {
     /// (a + b)(a − b) = a² − b², and differences cancel to nothing.
     #[test]
     fn large_ones_obey_algebra() {
-        let all: Vec<Large> = numbers(40).chunks(2).map(|p| sum(p)).collect();
+        let all: Vec<Large> = numbers(40).chunks(2).map(sum).collect();
         for a in &all {
             for b in &all {
                 let left = a.plus(b).times(&a.minus(b));

@@ -187,3 +187,51 @@ fn cross<T: Number>(a: &[T; 3], b: &[T; 3]) -> [T; 3] {
 fn dot<T: Number>(a: &[T; 3], b: &[T; 3]) -> T {
     a[0].times(&b[0]).plus(&a[1].times(&b[1])).plus(&a[2].times(&b[2]))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The largest numbers of a width, and 1, which makes the grid that fine: each number type against the largest.
+    #[test]
+    fn numbers_suffice_up_to_their_widths() {
+        fn check<T: Number>(limits: (u32, i32)) {
+            let largest = (1.0 - 2.0_f64.powi(-24)) * 2.0_f64.powi(limits.0 as i32);
+            let coordinate = |bits: u32, i: u32| match (bits >> i) & 3 {
+                0 => largest,
+                1 => -largest,
+                _ => f64::from(bits >> i & 1) * 2.0 - 1.0,
+            };
+            // Which f32 and the domain hold.
+            let scale = 2.0_f64.powi(-110);
+            for seed in 0..2_000_u32 {
+                let bits = seed.wrapping_mul(2_654_435_761);
+                let vector = |i: u32| {
+                    let bits = bits.rotate_left(5 * i).wrapping_mul(0x9e37_79b9);
+                    DVec3::new(coordinate(bits, 9), coordinate(bits, 17), coordinate(bits, 25))
+                };
+                let line = Line { origin: vector(0) * scale, direction: vector(1) };
+                let vertices = [2, 3, 4].map(|i| (vector(i) * scale).as_vec3());
+                let grid = OnGrid::new(&line, [&vertices]);
+                assert!(grid.fits(limits, 0));
+                let value = |x: (f64, i32)| libm::ldexp(x.0, x.1);
+                let (a, b) = (grid.edges::<T>(0), grid.edges::<Integer<LARGE_LIMBS>>(0));
+                for i in 0..3 {
+                    assert_eq!(value(a[i].scientific()), value(b[i].scientific()));
+                }
+                assert_eq!(grid.is_hit::<T>(), grid.is_hit::<Integer<LARGE_LIMBS>>());
+                let (a, b) = (grid.ratio::<T>(0), grid.ratio::<Integer<LARGE_LIMBS>>(0));
+                assert_eq!(value(a.0.scientific()), value(b.0.scientific()));
+                assert_eq!(value(a.1.scientific()), value(b.1.scientific()));
+                let t = Parts::of(f64::MAX);
+                for shift in [-limits.1, -1, 0, 1, limits.1] {
+                    let order = grid.cmp_t::<Integer<LARGE_LIMBS>>(t, shift);
+                    assert_eq!(grid.cmp_t::<T>(t, shift), order);
+                }
+                assert_eq!(grid.cmp_hits::<T>(), Ordering::Equal);
+            }
+        }
+        check::<i128>(NARROW);
+        check::<Integer<16>>(MIDDLE);
+    }
+}

@@ -267,6 +267,7 @@ impl<'p> Interpreter<'p> {
                 self.world.warn(format!("{name} is not modelled: skipped"));
                 tokens.skip_arguments()
             }
+            // Not skipped: what pbrt does not know either is a misspelling, and would silently change the scene.
             _ => {
                 let hint = did_you_mean(name, KNOWN.into_iter().chain(SKIPPED));
                 Err(here.malformed(format!("{} is no directive{hint}", text(name.as_bytes()))))

@@ -17,7 +17,7 @@ const RECORD: usize = 32;
 #[non_exhaustive]
 pub enum RayFileError {
     /// The system refused.
-    #[error("{}: cannot be {what}: {source}", .path.display())]
+    #[error("{}: cannot be {what}", .path.display())]
     Io {
         /// The file.
         path: PathBuf,
