@@ -7,7 +7,7 @@ use anyhow::{Result, bail, ensure};
 use bvh_flat::BuildConfig;
 use bvh_flat::primitive::Primitive;
 use clap::Args;
-use hard_cases::{Case, Effort, Library, Outcome, Run, cases};
+use hard_cases::{Case, Effort, Library, OPEN, Outcome, Run, cases};
 use indicatif::{ProgressBar, ProgressStyle};
 use scene::RaySets;
 
@@ -78,6 +78,9 @@ fn verify_catalogue(arguments: &Arguments) -> Result<()> {
     for (case, outcome) in &failed {
         let reason = outcome.first_failure.as_deref().unwrap_or("nothing was tried");
         println!("{} {}: {reason}", case.id, case.title);
+        if let Some((_, known)) = OPEN.iter().find(|(id, _)| *id == case.id) {
+            println!("    known: {known}");
+        }
     }
     println!("{} of {} cases passed, seed {}", chosen.len() - failed.len(), chosen.len(), arguments.seed);
     ensure!(failed.is_empty(), "{} cases failed", failed.len());

@@ -34,7 +34,7 @@ impl Hit {
 
     /// The same hit, of a primitive that comes `count` later in the surrounding order.
     pub fn offset_by(self, count: u64) -> Self {
-        Self { primitive: self.primitive + count, ..self }
+        Self { primitive: self.primitive.saturating_add(count), ..self }
     }
 }
 

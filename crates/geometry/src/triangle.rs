@@ -126,7 +126,7 @@ impl Weights {
         let clamped = raw.map(|b| b.max(0.0));
         let sum = clamped[0] + clamped[1] + clamped[2];
         let b = clamped.map(|b| b / sum);
-        let t = plane_t(ray, vertices, z);
+        let t = plane_t(ray, vertices, z)?;
         Some(Self { b, t, error: 2.0 * e_error / det.abs() + 2.0 * (sum - 1.0).abs() })
     }
 }
@@ -136,17 +136,21 @@ impl Weights {
 ///
 /// By the plane's equation and not by the weighted depths: for an origin in the plane of an axis-parallel triangle it is
 /// exactly 0, where the weighted sum left 10⁻¹⁷ of either sign (of rays spawned from such a floor 2.7 % hit it again).
+/// `None` for a triangle without area, which the rounded shear may have given some.
 #[inline]
-fn plane_t(ray: &TraversalRay, vertices: &[Vec3; 3], z: [f64; 3]) -> f64 {
+fn plane_t(ray: &TraversalRay, vertices: &[Vec3; 3], z: [f64; 3]) -> Option<f64> {
     let v = vertices.map(|v| v.as_dvec3());
     let n = (v[1] - v[0]).cross(v[2] - v[0]);
+    if n == DVec3::ZERO {
+        return None;
+    }
     let dz = ray.direction64()[ray.shear.kz];
     let depths = z.map(|z| z / dz);
     let nearest = depths[0].min(depths[1]).min(depths[2]);
     let farthest = depths[0].max(depths[1]).max(depths[2]);
     let t = n.dot(v[0] - ray.origin64()) / n.dot(ray.direction64());
     // Edge-on in f64, the plane's equation says nothing (NaN); then the nearest depth.
-    if t > nearest { t.min(farthest) } else { nearest }
+    Some(if t > nearest { t.min(farthest) } else { nearest })
 }
 
 /// The point where `ray` meets the plane of the triangle, clamped into the triangle.

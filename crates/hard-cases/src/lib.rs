@@ -65,6 +65,14 @@ pub struct Run<'a> {
     pub progress: &'a (dyn Fn(f64) + Sync),
 }
 
+/// The cases that the library does not pass yet, with what is known of the reason. A test demands that it fails them, so
+/// that none stays here by mistake.
+pub const OPEN: [(&str, &str); 3] = [
+    ("T06", "the f32 shear moves far vertices of needles that reach behind the origin by more than their boxes grow"),
+    ("T14", "of an origin exactly in a slanted plane, t is 10^-16 instead of 0"),
+    ("T16", "the f32 shear accepts what f64 finds outside, and clamping then moves the point by up to 11 ulp"),
+];
+
 /// The whole catalogue, in the order of the ids within each letter.
 pub fn cases() -> Vec<Case> {
     [build::CASES, boxes::CASES, triangles::CASES, spheres::CASES, instances::CASES, animation::CASES, spawned::CASES]

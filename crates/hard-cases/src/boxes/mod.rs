@@ -1,0 +1,75 @@
+//! **S**: rays, boxes and traversal.
+//!
+//! Two cases of the study are about what does not exist yet, and are left out: S21, quantised nodes (there is one layout
+//! of nodes, with f32 boxes), and S24, lanes that contaminate each other (no kernel traces several rays at once).
+//! Flushing denormal numbers to zero is not tried in S06, since the mode of the processor cannot be set without `unsafe`.
+
+mod directions;
+mod faces;
+mod grazing;
+mod intervals;
+mod invalid;
+pub(crate) mod judge;
+mod order;
+mod patterns;
+mod ties;
+
+use crate::Case;
+
+pub(crate) const CASES: &[Case] = &[
+    Case { id: "S01", title: "zero components, origins on faces, edges and corners", run: faces::zero_components },
+    Case { id: "S02", title: "negative zeros", run: faces::negative_zeros },
+    Case { id: "S03", title: "rays in the faces and along the edges of boxes", run: faces::within_faces },
+    Case { id: "S04", title: "grazing rays", run: grazing::corners_and_edges },
+    Case { id: "S05", title: "origins inside, on, and an ulp outside", run: faces::origins },
+    Case { id: "S06", title: "denormal directions", run: directions::denormal },
+    Case { id: "S07", title: "small components over long distances", run: directions::small_components },
+    Case { id: "S08", title: "directions of any length", run: directions::lengths },
+    Case { id: "S09", title: "the ends of the interval at the ends of the numbers", run: intervals::extreme_ends },
+    Case { id: "S10", title: "what is no interval", run: intervals::no_intervals },
+    Case { id: "S11", title: "invalid rays", run: invalid::rays },
+    Case { id: "S12", title: "origins far away", run: directions::far_origins },
+    Case { id: "S13", title: "boxes without thickness", run: faces::no_thickness },
+    Case { id: "S14", title: "deep trees from their dense end", run: order::deep_trees },
+    Case { id: "S15", title: "empty boxes", run: invalid::empty_boxes },
+    Case { id: "S16", title: "hits exactly at the ends of the interval", run: intervals::at_the_ends },
+    Case { id: "S17", title: "ties", run: ties::exact },
+    Case { id: "S18", title: "planes an ulp apart", run: ties::near },
+    Case { id: "S19", title: "overlapping boxes, the closer hit in the farther one", run: order::overlapping },
+    Case { id: "S20", title: "any hit and closest hit", run: order::any_and_closest },
+    Case { id: "S22", title: "all values of one field of a ray", run: patterns::one_field },
+    Case { id: "S23", title: "rays of any bits", run: patterns::any_bits },
+];
+
+/// Runs `cases` on the library, and fails with what each of them says that does not pass.
+#[cfg(test)]
+pub(crate) fn assert_all_pass(cases: &[Case]) {
+    use crate::{Effort, Library, Run};
+    let subject = Library::default();
+    let run = Run { effort: Effort::Quick, seed: 1, subject: &subject, progress: &|_| () };
+    let mut failed = Vec::new();
+    for case in cases {
+        let start = std::time::Instant::now();
+        let outcome = (case.run)(&run);
+        let seconds = start.elapsed().as_secs_f64();
+        eprintln!(
+            "{} {seconds:.2} s, {} trials, {} failures, {:?}",
+            case.id, outcome.trials, outcome.failures, outcome.figures
+        );
+        if !outcome.passed() {
+            failed.push(format!(
+                "{} ({}): {} of {} trials: {:?}",
+                case.id, case.title, outcome.failures, outcome.trials, outcome.first_failure
+            ));
+        }
+    }
+    assert!(failed.is_empty(), "{}", failed.join("\n"));
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn all_cases_pass_on_the_library() {
+        super::assert_all_pass(super::CASES);
+    }
+}

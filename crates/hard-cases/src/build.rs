@@ -1,5 +1,0 @@
-//! Cases.
-
-use crate::Case;
-
-pub(crate) const CASES: &[Case] = &[];
