@@ -83,7 +83,10 @@ pub(super) fn signs_of_zero(run: &Run) -> Outcome {
 }
 
 /// Everything in a tree, with floats as their bits.
-fn bits(bvh: &FlatBvh) -> (Vec<[[u32; 3]; 2]>, Vec<(bool, usize, usize)>, &[u32]) {
+/// Boxes, kinds and order of a tree, as bits.
+type TreeBits<'a> = (Vec<[[u32; 3]; 2]>, Vec<(bool, usize, usize)>, &'a [u32]);
+
+fn bits(bvh: &FlatBvh) -> TreeBits<'_> {
     let boxes = bvh.nodes().iter().map(|node| {
         let bounds = node.bounds();
         [bounds.min, bounds.max].map(|corner| corner.to_array().map(f32::to_bits))

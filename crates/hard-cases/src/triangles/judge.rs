@@ -176,8 +176,9 @@ impl Specimen {
         [(0, 1), (1, 2), (2, 0)].into_iter().any(|(i, j)| {
             let e = (p[i] / size).cross(p[j] / size).dot(d).abs();
             let edge = (p[j] - p[i]).length() / size;
-            // The negation is for NaN: an edge without length is near everything.
-            !(e / (d.length() * edge * U) >= NEAR_EDGE)
+            // NaN: an edge without length is near everything.
+            let distance = e / (d.length() * edge * U);
+            distance.is_nan() || distance < NEAR_EDGE
         })
     }
 
