@@ -100,7 +100,7 @@ impl Shape for Sphere {
     }
 
     /// The first point with the hit's `t`, or the one nearest to it. Its error does not depend on how far away the ray
-    /// began: see [`Quadratic::point`].
+    /// began: see `Quadratic::point`.
     fn surface_point(&self, ray: &TraversalRay, hit: &Hit) -> SurfacePoint {
         let t = f64::from(hit.t);
         let second = Quadratic::parameters(self, ray)
