@@ -5,7 +5,6 @@ mod errors;
 mod input;
 mod measure;
 mod picture;
-mod random;
 mod render;
 mod shading;
 mod sweep;

@@ -14,9 +14,9 @@ use scene::{Camera, CameraView, CompiledScene};
 use crate::input::{self, SCENE_HELP, SEED, SceneSource, SplitMethodName};
 use crate::measure::timed;
 use crate::picture::{heat, srgb, write_png};
-use crate::random::Random;
 use crate::shading::Shading;
 use crate::table::count;
+use hard_cases::Random;
 
 #[derive(Args)]
 pub struct Arguments {
@@ -84,8 +84,8 @@ fn draw(arguments: &Arguments, compiled: &CompiledScene, camera: &Camera, view: 
                 let mut random = Random::new(SEED, u64::from(y) << 32 | u64::from(x));
                 let mut sum = Vec3::ZERO;
                 for _ in 0..arguments.samples {
-                    let at = [x, y].map(|i| f64::from(i) + f64::from(random.next()));
-                    let time = f64::from(random.next());
+                    let at = [x, y].map(|i| f64::from(i) + f64::from(random.unit()));
+                    let time = f64::from(random.unit());
                     sum += shading.radiance(&view.ray(at[0], at[1], time), &mut random);
                 }
                 srgb((sum / arguments.samples as f32).to_array())

@@ -5,7 +5,7 @@ use bvh_flat::geometry::{Bounds3, Interval, Ray, TraversalRay};
 use bvh_flat::primitive::{Primitive, Surface, SurfaceInteraction, medium_boundaries};
 use scene::CompiledScene;
 
-use crate::random::Random;
+use hard_cases::Random;
 
 /// A sun, a sky and a scene between.
 pub struct Shading<'a> {
@@ -97,7 +97,7 @@ impl<'a> Shading<'a> {
     }
 
     fn cosine_direction(&self, n: Vec3, random: &mut Random) -> Vec3 {
-        let (z, phi) = (2.0 * random.next() - 1.0, std::f32::consts::TAU * random.next());
+        let (z, phi) = (2.0 * random.unit() - 1.0, std::f32::consts::TAU * random.unit());
         let r = (1.0 - z * z).max(0.0).sqrt();
         (n + Vec3::new(r * phi.cos(), r * phi.sin(), z)).normalize_or(n)
     }
