@@ -1,0 +1,78 @@
+//! The rows: what is built, and which query answers.
+
+use std::sync::Arc;
+
+use bvh_flat::geometry::{Interval, Ray as GeometryRay, Shape, TraversalRay, TriangleMesh};
+use bvh_flat::{BuildConfig, MeshBvh};
+
+use crate::{Hit, Ray};
+
+/// A built structure that answers for one row.
+pub trait Variant: Send {
+    /// The closest hit of each ray.
+    fn closest(&self, rays: &[Ray], hits: &mut [Hit]);
+
+    /// Writes 1 for each ray that hits anything, else 0; false where there is no such query.
+    fn any(&self, rays: &[Ray], occluded: &mut [u8]) -> bool;
+
+    /// What is kept beside the mesh itself, in bytes.
+    fn bytes(&self) -> usize;
+}
+
+/// Builds a variant, on the threads of the current rayon pool. All of it is timed.
+pub type Build = fn(&Arc<TriangleMesh>) -> Box<dyn Variant>;
+
+/// The rows by name.
+pub const VARIANTS: &[(&str, Build)] = &[
+    ("ours binary", |mesh| {
+        let bvh = binary(mesh, BuildConfig::default());
+        one_by_one(bvh.memory(), bvh)
+    }),
+    ("ours exact", |mesh| {
+        let bvh = binary(mesh, BuildConfig::default());
+        // The exact mesh shares the tree, and has the leaves' vertices once more.
+        let own_vertices = size_of::<[[f32; 3]; 3]>() * bvh.bvh().order().len();
+        one_by_one(bvh.memory() + own_vertices, bvh.exact())
+    }),
+];
+
+fn binary(mesh: &Arc<TriangleMesh>, config: BuildConfig) -> MeshBvh {
+    MeshBvh::build(Arc::clone(mesh), &config).expect("the configuration is valid")
+}
+
+fn one_by_one<S: Shape + Send + 'static>(bytes: usize, shape: S) -> Box<dyn Variant> {
+    Box::new(OneByOne { shape, bytes })
+}
+
+/// A shape that is asked one ray at a time. Preparing the ray is part of the query.
+struct OneByOne<S> {
+    shape: S,
+    bytes: usize,
+}
+
+impl<S: Shape + Send> Variant for OneByOne<S> {
+    fn closest(&self, rays: &[Ray], hits: &mut [Hit]) {
+        for (ray, hit) in rays.iter().zip(hits) {
+            let found = prepare(ray).and_then(|(ray, interval)| self.shape.intersect(&ray, interval));
+            // A triangle's index in its mesh is 32 bits.
+            *hit = found.map_or(Hit::MISS, |h| Hit { t: h.t, primitive: h.primitive as u32 });
+        }
+    }
+
+    fn any(&self, rays: &[Ray], occluded: &mut [u8]) -> bool {
+        for (ray, occluded) in rays.iter().zip(occluded) {
+            let is_hit = prepare(ray).is_some_and(|(ray, interval)| self.shape.intersect_p(&ray, interval));
+            *occluded = u8::from(is_hit);
+        }
+        true
+    }
+
+    fn bytes(&self) -> usize {
+        self.bytes
+    }
+}
+
+#[inline]
+fn prepare(ray: &Ray) -> Option<(TraversalRay, Interval)> {
+    Some((TraversalRay::new(&GeometryRay::new(ray.o, ray.d))?, Interval::new(ray.t_min, ray.t_max)))
+}
