@@ -40,6 +40,12 @@ impl Peer {
         self.built = Some(pool.install(|| build(mesh)));
     }
 
+    /// What [`prepare`](Self::prepare) made of the triangles.
+    #[cfg(test)]
+    pub fn mesh(&self) -> &TriangleMesh {
+        &self.mesh
+    }
+
     pub fn closest(&self, rays: &[Ray], hits: &mut [Hit]) {
         self.built().closest(rays, hits);
     }

@@ -76,3 +76,54 @@ impl<S: Shape + Send> Variant for OneByOne<S> {
 fn prepare(ray: &Ray) -> Option<(TraversalRay, Interval)> {
     Some((TraversalRay::new(&GeometryRay::new(ray.o, ray.d))?, Interval::new(ray.t_min, ray.t_max)))
 }
+
+#[cfg(test)]
+mod tests {
+    use bvh_flat::geometry::glam::Vec3;
+
+    use super::*;
+    use crate::peer::Peer;
+
+    /// A grid of small triangles in each of two parallel planes, and rays at both, across, and away.
+    fn scene() -> (Vec<f32>, Vec<Ray>) {
+        let cells = || (0..200_u16).map(|i| Vec3::new(f32::from(i % 10), f32::from(i / 10 % 10), f32::from(i / 100)));
+        let triangles = cells().flat_map(|p| [p, p + 0.75 * Vec3::X, p + 0.75 * Vec3::Y]).flat_map(|p| p.to_array());
+        let ray = |o: Vec3, d, t_max| Ray { o: o.into(), t_min: 0.0, d, t_max };
+        let rays = cells().flat_map(|p| {
+            let from = p + Vec3::new(0.125, 0.25, -2.5);
+            [
+                ray(from, [0.0, 0.0, 1.0], f32::INFINITY),
+                ray(from, [0.0, 0.0, 1.0], 1.0),
+                ray(from, [0.4, 0.0, 1.0], 9.0),
+            ]
+        });
+        let invalid = ray(Vec3::ZERO, [0.0; 3], f32::INFINITY);
+        (triangles.collect(), rays.chain([invalid]).collect())
+    }
+
+    #[test]
+    fn every_row_finds_the_hits_of_the_mesh() {
+        let (triangles, rays) = scene();
+        for (name, _) in VARIANTS {
+            let mut peer = Peer::prepare(name, &triangles);
+            for threads in [2, 1] {
+                peer.build(threads);
+                let want = |ray: &Ray| {
+                    let hit = prepare(ray).and_then(|(ray, interval)| peer.mesh().intersect(&ray, interval));
+                    hit.map_or(Hit::MISS, |h| Hit { t: h.t, primitive: h.primitive as u32 })
+                };
+                let want: Vec<Hit> = rays.iter().map(want).collect();
+                let mut hits = vec![Hit { t: f32::NAN, primitive: 0 }; rays.len()];
+                peer.closest(&rays, &mut hits);
+                assert_eq!(hits, want, "{name}");
+                assert!(hits.contains(&Hit::MISS) && hits.iter().filter(|h| **h != Hit::MISS).count() > 200);
+                let mut occluded = vec![2; rays.len()];
+                if peer.any(&rays, &mut occluded) {
+                    let want: Vec<u8> = want.iter().map(|&h| u8::from(h != Hit::MISS)).collect();
+                    assert_eq!(occluded, want, "{name}");
+                }
+                assert!(peer.bytes() > 0, "{name}");
+            }
+        }
+    }
+}
