@@ -9,3 +9,4 @@ mod instancing;
 mod media;
 mod real_scenes;
 mod support;
+mod wide;

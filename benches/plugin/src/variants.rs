@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use bvh_flat::geometry::{Interval, Ray as GeometryRay, Shape, TraversalRay, TriangleMesh};
-use bvh_flat::{BuildConfig, MeshBvh};
+use bvh_flat::{BuildConfig, MeshBvh, WideMesh};
 
 use crate::{Hit, Ray};
 
@@ -27,6 +27,11 @@ pub const VARIANTS: &[(&str, Build)] = &[
     ("ours binary", |mesh| {
         let bvh = binary(mesh, BuildConfig::default());
         one_by_one(bvh.memory(), bvh)
+    }),
+    ("ours watertight", |mesh| {
+        let bvh = binary(mesh, BuildConfig::default().with_max_primitives_in_leaf(1));
+        let wide = WideMesh::new(&bvh).expect("small enough");
+        one_by_one(wide.memory(), wide)
     }),
     ("ours exact", |mesh| {
         let bvh = binary(mesh, BuildConfig::default());

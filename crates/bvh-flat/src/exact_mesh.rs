@@ -85,7 +85,7 @@ impl ExactMesh {
             let bound = |best: &Closest| Hit { t: round_up(best.enclosure.high()), u: 0.0, v: 0.0, primitive: 0 };
             closest.as_ref().filter(|_| is_closer).map(bound)
         };
-        let _ = match is_rounded(ray) {
+        let _ = match ray.is_rounded() {
             false => self.bvh().intersect::<Watertight>(ray, interval, leaf),
             true => self.bvh().intersect::<RoundedRay>(ray, interval, leaf),
         };
@@ -127,7 +127,7 @@ impl ExactMesh {
         let leaf = |mut range: Range<usize>, _: Interval| {
             range.any(|place| exact.intersect_triangle(&self.ordered_vertices[place], interval, observer).is_some())
         };
-        match is_rounded(ray) {
+        match ray.is_rounded() {
             false => self.bvh().intersect_p::<Watertight>(ray, interval, leaf),
             true => self.bvh().intersect_p::<RoundedRay>(ray, interval, leaf),
         }
@@ -161,7 +161,7 @@ impl Shape for ExactMesh {
             }
             ControlFlow::Continue(interval.t_max())
         };
-        let visit = match is_rounded(ray) {
+        let visit = match ray.is_rounded() {
             false => self.bvh().visit_hits::<Watertight>(ray, interval, visitor, leaf),
             true => self.bvh().visit_hits::<RoundedRay>(ray, interval, visitor, leaf),
         };
@@ -180,12 +180,6 @@ impl Shape for ExactMesh {
     fn surface_point(&self, ray: &TraversalRay, hit: &Hit) -> SurfacePoint {
         self.bvh.surface_point(ray, hit)
     }
-}
-
-/// Whether the f32 ray of the box test is not the exact one: it was transformed.
-#[inline]
-fn is_rounded(ray: &TraversalRay) -> bool {
-    ray.origin64() != ray.ray().origin.as_dvec3() || ray.direction64() != ray.ray().direction.as_dvec3()
 }
 
 /// The padded box test for a ray whose f32 form is rounded: conservative for the f64 ray.
@@ -272,7 +266,7 @@ mod tests {
             let config = BuildConfig::new(method).with_max_primitives_in_leaf(1);
             let exact = MeshBvh::build(mesh, &config).expect("the configuration is valid").exact();
             for ray in &rays {
-                assert!(is_rounded(ray));
+                assert!(ray.is_rounded());
                 let vertices = |i: usize| exact.mesh().vertices(i);
                 let all = |i: usize| Some((i, intersect_triangle_exact(ray, &vertices(i), Interval::FULL)?));
                 let naive: Vec<(usize, TriangleHit)> = (0..exact.mesh().len()).filter_map(all).collect();

@@ -14,9 +14,12 @@ mod flat_bvh;
 mod flatten;
 mod mesh_bvh;
 mod node;
+mod simd;
 mod stack;
 mod traverse;
 mod validate;
+mod wide;
+mod wide_mesh;
 
 pub use aggregate::BvhAggregate;
 #[cfg(feature = "build")]
@@ -29,4 +32,6 @@ pub use geometry;
 pub use mesh_bvh::MeshBvh;
 pub use node::LinearBvhNode;
 pub use primitive;
+pub use simd::SimdWidth;
 pub use validate::InvalidBvh;
+pub use wide_mesh::WideMesh;

@@ -85,6 +85,12 @@ impl TraversalRay {
         self.direction64
     }
 
+    /// Whether the f32 ray is not exactly the f64 one: it was transformed.
+    #[inline]
+    pub fn is_rounded(&self) -> bool {
+        self.origin64 != self.ray.origin.as_dvec3() || self.direction64 != self.ray.direction.as_dvec3()
+    }
+
     /// The time of the ray.
     pub fn time(&self) -> f32 {
         self.ray.time

@@ -45,6 +45,17 @@ impl ExactRay {
         Self { line, frame, edge_error: frame.edge_error(bounds) }
     }
 
+    /// Prepares a ray for triangles that another filter has left undecided, wherever they are.
+    pub fn unfiltered(ray: &TraversalRay) -> Self {
+        let line = Line { origin: ray.origin64(), direction: ray.direction64() };
+        Self { line, frame: Frame::new(line.origin, line.direction), edge_error: f64::INFINITY }
+    }
+
+    /// The enclosure of t* of a triangle that the ray is known to hit.
+    pub fn enclose(&self, vertices: &[Vec3; 3]) -> Enclosure {
+        Enclosure::of_plane(&self.line, vertices).unwrap_or_else(|| Enclosure::exactly(&self.line, vertices))
+    }
+
     #[cfg(test)]
     pub(super) fn line(&self) -> &Line {
         &self.line

@@ -1,0 +1,128 @@
+//! Lanes of AVX-512, 256 bits wide.
+//!
+//! Every method is one or a few instructions. They are only ever compiled into a [`Kernel`](super::Kernel) behind
+//! [`SimdWidth::run`](super::SimdWidth::run), which proves that the processor has them: that is the argument for each `op!`.
+
+use std::arch::x86_64::*;
+use std::mem::MaybeUninit;
+
+use super::{LANES, Lanes};
+
+#[derive(Clone, Copy)]
+pub(super) struct Avx512;
+
+/// An expression of intrinsics.
+macro_rules! op {
+    ($e:expr) => {
+        // SAFETY: the processor has the instructions (see above); those that access memory do so through references to
+        // eight numbers, and need no alignment.
+        unsafe { $e }
+    };
+}
+
+impl Lanes for Avx512 {
+    type F32 = __m256;
+    type U32 = __m256i;
+    const FUSED: bool = true;
+
+    #[inline(always)]
+    fn splat(x: f32) -> __m256 {
+        op!(_mm256_set1_ps(x))
+    }
+    #[inline(always)]
+    fn load(x: &[f32; LANES]) -> __m256 {
+        op!(_mm256_loadu_ps(x.as_ptr()))
+    }
+    #[inline(always)]
+    fn load_u32(x: &[u32; LANES]) -> __m256i {
+        op!(_mm256_loadu_si256(x.as_ptr().cast()))
+    }
+    #[inline(always)]
+    fn to_array(x: __m256) -> [f32; LANES] {
+        op!({
+            let mut to = [0.0; LANES];
+            _mm256_storeu_ps(to.as_mut_ptr(), x);
+            to
+        })
+    }
+    #[inline(always)]
+    fn add(a: __m256, b: __m256) -> __m256 {
+        op!(_mm256_add_ps(a, b))
+    }
+    #[inline(always)]
+    fn sub(a: __m256, b: __m256) -> __m256 {
+        op!(_mm256_sub_ps(a, b))
+    }
+    #[inline(always)]
+    fn mul(a: __m256, b: __m256) -> __m256 {
+        op!(_mm256_mul_ps(a, b))
+    }
+    #[inline(always)]
+    fn div(a: __m256, b: __m256) -> __m256 {
+        op!(_mm256_div_ps(a, b))
+    }
+    #[inline(always)]
+    fn mul_add(a: __m256, b: __m256, c: __m256) -> __m256 {
+        op!(_mm256_fmadd_ps(a, b, c))
+    }
+    #[inline(always)]
+    fn mul_sub(a: __m256, b: __m256, c: __m256) -> __m256 {
+        op!(_mm256_fmsub_ps(a, b, c))
+    }
+    #[inline(always)]
+    fn neg_mul_add(a: __m256, b: __m256, c: __m256) -> __m256 {
+        op!(_mm256_fnmadd_ps(a, b, c))
+    }
+    #[inline(always)]
+    fn abs(a: __m256) -> __m256 {
+        op!(_mm256_andnot_ps(_mm256_set1_ps(-0.0), a))
+    }
+    #[inline(always)]
+    fn neg(a: __m256) -> __m256 {
+        op!(_mm256_xor_ps(_mm256_set1_ps(-0.0), a))
+    }
+    #[inline(always)]
+    fn min(a: __m256, b: __m256) -> __m256 {
+        op!(_mm256_min_ps(a, b))
+    }
+    #[inline(always)]
+    fn max(a: __m256, b: __m256) -> __m256 {
+        op!(_mm256_max_ps(a, b))
+    }
+    #[inline(always)]
+    fn lt(a: __m256, b: __m256) -> u32 {
+        op!(u32::from(_mm256_cmp_ps_mask::<_CMP_LT_OQ>(a, b)))
+    }
+    #[inline(always)]
+    fn le(a: __m256, b: __m256) -> u32 {
+        op!(u32::from(_mm256_cmp_ps_mask::<_CMP_LE_OQ>(a, b)))
+    }
+    #[inline(always)]
+    fn min_or_negative(a: __m256, b: __m256) -> __m256 {
+        op!(_mm256_castsi256_ps(_mm256_min_epi32(_mm256_castps_si256(a), _mm256_castps_si256(b))))
+    }
+    #[inline(always)]
+    fn max_or_negative(a: __m256, b: __m256) -> __m256 {
+        op!(_mm256_castsi256_ps(_mm256_max_epi32(_mm256_castps_si256(a), _mm256_castps_si256(b))))
+    }
+    #[inline(always)]
+    fn le_or_negative(a: __m256, b: __m256) -> u32 {
+        op!(u32::from(_mm256_cmple_epi32_mask(_mm256_castps_si256(a), _mm256_castps_si256(b))))
+    }
+    #[inline(always)]
+    fn permute(x: __m256, order: __m256i, shift: u32) -> __m256 {
+        op!(_mm256_permutevar8x32_ps(x, _mm256_srl_epi32(order, _mm_cvtsi32_si128(shift as i32))))
+    }
+    #[inline(always)]
+    fn permute_u32(x: __m256i, order: __m256i, shift: u32) -> __m256i {
+        op!(_mm256_permutevar8x32_epi32(x, _mm256_srl_epi32(order, _mm_cvtsi32_si128(shift as i32))))
+    }
+    #[inline(always)]
+    fn compress(x: __m256, mask: u32, to: &mut [MaybeUninit<f32>; LANES]) {
+        op!(_mm256_storeu_ps(to.as_mut_ptr().cast(), _mm256_maskz_compress_ps(mask as u8, x)))
+    }
+    #[inline(always)]
+    fn compress_u32(x: __m256i, mask: u32, to: &mut [MaybeUninit<u32>; LANES]) {
+        op!(_mm256_storeu_si256(to.as_mut_ptr().cast(), _mm256_maskz_compress_epi32(mask as u8, x)))
+    }
+}

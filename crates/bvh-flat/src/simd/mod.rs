@@ -1,0 +1,102 @@
+//! Eight lanes at once: the only place with `unsafe` code.
+//!
+//! What an instruction set offers is a type that implements [`Lanes`]; a [`Kernel`] is written once over them. Which
+//! set the processor has is found out once, at run time, and a [`SimdWidth`] is the proof of it: [`SimdWidth::run`] is
+//! the one function boundary behind which the kernel is compiled for that set. Nothing depends on `target-cpu`.
+
+#![allow(unsafe_code)]
+
+use std::mem::MaybeUninit;
+
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+#[cfg(target_arch = "x86_64")]
+mod avx512;
+mod portable;
+mod stack;
+mod width;
+
+pub(crate) use stack::Stack;
+pub use width::SimdWidth;
+
+/// How many lanes there are.
+pub(crate) const LANES: usize = 8;
+
+/// Eight numbers of 32 bits and what can be done with them. Masks have a bit for each lane.
+///
+/// All methods are compiled in place into the kernel that uses them, behind the boundary of [`SimdWidth::run`].
+pub(crate) trait Lanes: Copy {
+    /// Eight f32.
+    type F32: Copy;
+    /// Eight u32.
+    type U32: Copy;
+    /// Whether [`mul_add`](Self::mul_add) rounds once; where not, it rounds the product too.
+    const FUSED: bool;
+
+    fn splat(x: f32) -> Self::F32;
+    fn load(x: &[f32; LANES]) -> Self::F32;
+    fn load_u32(x: &[u32; LANES]) -> Self::U32;
+    fn to_array(x: Self::F32) -> [f32; LANES];
+
+    fn add(a: Self::F32, b: Self::F32) -> Self::F32;
+    fn sub(a: Self::F32, b: Self::F32) -> Self::F32;
+    fn mul(a: Self::F32, b: Self::F32) -> Self::F32;
+    fn div(a: Self::F32, b: Self::F32) -> Self::F32;
+    /// a b + c.
+    fn mul_add(a: Self::F32, b: Self::F32, c: Self::F32) -> Self::F32;
+    /// a b − c.
+    fn mul_sub(a: Self::F32, b: Self::F32, c: Self::F32) -> Self::F32;
+    /// c − a b.
+    fn neg_mul_add(a: Self::F32, b: Self::F32, c: Self::F32) -> Self::F32;
+    fn abs(a: Self::F32) -> Self::F32;
+    fn neg(a: Self::F32) -> Self::F32;
+
+    /// `if a < b { a } else { b }`: where either is NaN, b.
+    fn min(a: Self::F32, b: Self::F32) -> Self::F32;
+    /// `if a > b { a } else { b }`: where either is NaN, b.
+    fn max(a: Self::F32, b: Self::F32) -> Self::F32;
+    /// The lanes where a < b; not where either is NaN.
+    fn lt(a: Self::F32, b: Self::F32) -> u32;
+    /// The lanes where a <= b; not where either is NaN.
+    fn le(a: Self::F32, b: Self::F32) -> u32;
+
+    /// The smaller, if at least one of them is not negative and neither is NaN; else some negative number. One cycle
+    /// where [`min`](Self::min) takes four, on processors that compare integers faster than floats.
+    fn min_or_negative(a: Self::F32, b: Self::F32) -> Self::F32;
+    /// The larger, under the same condition.
+    fn max_or_negative(a: Self::F32, b: Self::F32) -> Self::F32;
+    /// The lanes where a <= b, if b is negative or a is not, and neither is NaN.
+    fn le_or_negative(a: Self::F32, b: Self::F32) -> u32;
+
+    /// Lane i takes lane `order[i] >> shift` (of it the lowest three bits).
+    fn permute(x: Self::F32, order: Self::U32, shift: u32) -> Self::F32;
+    /// Lane i takes lane `order[i] >> shift` (of it the lowest three bits).
+    fn permute_u32(x: Self::U32, order: Self::U32, shift: u32) -> Self::U32;
+    /// Moves the lanes of the mask to the front, in their order, into `to`; what comes after them is arbitrary.
+    fn compress(x: Self::F32, mask: u32, to: &mut [MaybeUninit<f32>; LANES]);
+    /// Moves the lanes of the mask to the front, in their order, into `to`; what comes after them is arbitrary.
+    fn compress_u32(x: Self::U32, mask: u32, to: &mut [MaybeUninit<u32>; LANES]);
+}
+
+/// Something that is computed with lanes, written once and compiled for each kind of them.
+pub(crate) trait Kernel {
+    /// What comes out.
+    type Output;
+
+    /// Computes it. To be marked `#[inline(always)]`, like all that it calls with lanes: what is not compiled in place
+    /// is not compiled for the instruction set.
+    fn run<L: Lanes>(self) -> Self::Output;
+}
+
+/// Asks for the cache line at `x`, if there is anything to ask.
+#[inline(always)]
+pub(crate) fn prefetch<T>(x: &T) {
+    #[cfg(target_arch = "x86_64")]
+    // SAFETY: SSE is part of x86-64; a prefetch does not access memory in any observable way, and the address is that of
+    // a reference.
+    unsafe {
+        std::arch::x86_64::_mm_prefetch::<{ std::arch::x86_64::_MM_HINT_T0 }>(std::ptr::from_ref(x).cast());
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    let _ = x;
+}

@@ -1,0 +1,52 @@
+//! The stack of a traversal that pushes eight entries at once.
+
+use std::mem::MaybeUninit;
+
+use super::{LANES, Lanes};
+
+/// Subtrees to come, each with the ray's entry, in memory that is not cleared for every ray.
+///
+/// What was written is below `len`; what is above is never read.
+pub(crate) struct Stack<const CAPACITY: usize> {
+    children: [MaybeUninit<u32>; CAPACITY],
+    entries: [MaybeUninit<f32>; CAPACITY],
+    len: usize,
+}
+
+impl<const CAPACITY: usize> Stack<CAPACITY> {
+    #[inline(always)]
+    pub(crate) fn new() -> Self {
+        Self { children: [const { MaybeUninit::uninit() }; CAPACITY], entries: [const { MaybeUninit::uninit() }; CAPACITY], len: 0 }
+    }
+
+    /// Pushes the lanes of the mask, the highest last. Whether there was room: `CAPACITY` must be eight more than what
+    /// is ever held.
+    #[inline(always)]
+    #[must_use]
+    pub(crate) fn push<L: Lanes>(&mut self, children: L::U32, entries: L::F32, mask: u32) -> bool {
+        let range = self.len..self.len + LANES;
+        let (Some(children_to), Some(entries_to)) = (self.children.get_mut(range.clone()), self.entries.get_mut(range))
+        else {
+            return false;
+        };
+        let (Ok(children_to), Ok(entries_to)) = (children_to.try_into(), entries_to.try_into()) else { return false };
+        L::compress_u32(children, mask, children_to);
+        L::compress(entries, mask, entries_to);
+        self.len += mask.count_ones() as usize;
+        true
+    }
+
+    /// The entry pushed last among those that the ray enters at `t_max` at the latest.
+    #[inline(always)]
+    pub(crate) fn pop(&mut self, t_max: f32) -> Option<u32> {
+        while self.len > 0 {
+            self.len -= 1;
+            // SAFETY: places below the former `len` were written by `push`: `len` grows by the number of lanes written.
+            let (child, entry) = unsafe { (self.children[self.len].assume_init(), self.entries[self.len].assume_init()) };
+            if entry <= t_max {
+                return Some(child);
+            }
+        }
+        None
+    }
+}

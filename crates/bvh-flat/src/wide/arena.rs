@@ -1,0 +1,140 @@
+//! The memory of a wide tree: cache lines that hold nodes, and leaves after the node that has them.
+
+use bytemuck::{Pod, Zeroable};
+
+use crate::simd::LANES;
+
+/// A cache line.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+#[repr(C, align(64))]
+pub(crate) struct Line(pub(crate) [u32; 16]);
+
+/// How many lines a node takes.
+pub(crate) const NODE_LINES: usize = 4;
+
+/// How many lines can be read from the first line of a leaf on, whatever its size: as many follow the last leaf.
+const LEAF_LINES: usize = 6;
+
+/// The most lines that references of 28 bits can name: 16 GiB.
+pub(crate) const MAX_LINES: usize = 1 << 28;
+
+/// What a node refers to: another node by its first line, or a leaf by a place and a number of primitives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Child(pub(crate) u32);
+
+impl Child {
+    const LEAF: u32 = 1 << 31;
+
+    /// The node that begins at `line`.
+    pub(crate) fn node(line: usize) -> Self {
+        debug_assert!(line < MAX_LINES);
+        Self(line as u32)
+    }
+
+    /// `count` primitives, 1 to 8, at a place below [`MAX_LINES`].
+    pub(crate) fn leaf(place: usize, count: usize) -> Self {
+        debug_assert!(place < MAX_LINES && (1..=LANES).contains(&count));
+        Self(Self::LEAF | (count as u32 - 1) << 28 | place as u32)
+    }
+
+    #[inline(always)]
+    pub(crate) fn is_leaf(self) -> bool {
+        self.0 & Self::LEAF != 0
+    }
+
+    /// The first line of a node.
+    #[inline(always)]
+    pub(crate) fn line(self) -> usize {
+        self.0 as usize
+    }
+
+    /// The place of a leaf.
+    #[inline(always)]
+    pub(crate) fn place(self) -> usize {
+        (self.0 & (MAX_LINES as u32 - 1)) as usize
+    }
+
+    /// The number of primitives of a leaf.
+    #[inline(always)]
+    pub(crate) fn count(self) -> usize {
+        (self.0 >> 28 & 7) as usize + 1
+    }
+}
+
+/// A node as eight rows of eight lanes, one for each child:
+///
+/// ```text
+/// row 0  1  2  3  4  5   6         7
+///     min x y z   max x y z   children   orders
+/// ```
+///
+/// The box of a lane without a child is empty: min = +∞, max = −∞, which no ray enters. For each of the eight octants of
+/// ray directions the orders have three bits in every lane, from bit 3 · octant on: lane i of the children, sorted from
+/// the farthest to the nearest for such rays, is the child in the lane with that number. Bit i of an octant is set where
+/// the direction's component i is negative.
+#[derive(Clone, Copy)]
+pub(crate) struct Node<'a>(&'a [Line; NODE_LINES]);
+
+impl<'a> Node<'a> {
+    #[inline(always)]
+    pub(crate) fn planes(self) -> &'a [[f32; LANES]; 8] {
+        bytemuck::must_cast_ref(self.0)
+    }
+
+    #[inline(always)]
+    fn words(self) -> &'a [[u32; LANES]; 8] {
+        bytemuck::must_cast_ref(self.0)
+    }
+
+    #[inline(always)]
+    pub(crate) fn children(self) -> &'a [u32; LANES] {
+        &self.words()[6]
+    }
+
+    #[inline(always)]
+    pub(crate) fn orders(self) -> &'a [u32; LANES] {
+        &self.words()[7]
+    }
+}
+
+/// The lines of a tree.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Arena {
+    lines: Vec<Line>,
+}
+
+impl Arena {
+    /// Lines in which children name nodes and leaves.
+    pub(crate) fn new(mut lines: Vec<Line>) -> Self {
+        lines.extend([Line::default(); LEAF_LINES]);
+        lines.shrink_to_fit();
+        Self { lines }
+    }
+
+    /// The node from line `first` on; the first lines where there is none, which a tree's own references never name.
+    #[inline(always)]
+    pub(crate) fn node(&self, first: usize) -> Node<'_> {
+        static NOTHING: [Line; NODE_LINES] = [Line([0; 16]); NODE_LINES];
+        let lines = self.lines.get(first..).and_then(|lines| lines.first_chunk());
+        Node(lines.unwrap_or(&NOTHING))
+    }
+
+    /// The numbers of a leaf from line `first` on, and what follows them.
+    #[inline(always)]
+    pub(crate) fn leaf(&self, first: usize) -> &[f32; LEAF_LINES * 16] {
+        static NOTHING: [Line; LEAF_LINES] = [Line([0; 16]); LEAF_LINES];
+        let lines: Option<&[Line; LEAF_LINES]> = self.lines.get(first..).and_then(|lines| lines.first_chunk());
+        bytemuck::must_cast_ref(lines.unwrap_or(&NOTHING))
+    }
+
+    /// The line at `i`, for a prefetch.
+    #[inline(always)]
+    pub(crate) fn line(&self, i: usize) -> Option<&Line> {
+        self.lines.get(i)
+    }
+
+    /// Its memory in bytes.
+    pub(crate) fn memory(&self) -> usize {
+        size_of_val(self.lines.as_slice())
+    }
+}

@@ -1,0 +1,145 @@
+//! The filter of triangles: what f32 can tell of eight of them at once.
+
+use geometry::{Interval, TraversalRay};
+
+use crate::simd::{LANES, Lanes};
+
+/// Half the spacing of f32 at 1.
+const U: f32 = f32::EPSILON / 2.0;
+
+/// A ray for the filter: the shear of Woop, Benthin and Wald 2013, in f32.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct TriangleRay {
+    k: [usize; 3],
+    /// The origin in the order of `k`.
+    o: [f32; 3],
+    sx: f32,
+    sy: f32,
+    /// One over the direction's largest component.
+    rdz: f32,
+    /// How far the origin may be from the exact one.
+    origin_error: f32,
+}
+
+/// What the filter found of the triangles of a leaf.
+pub(crate) struct Candidates {
+    /// The triangles that may be hit with t* in the interval.
+    pub(crate) maybe: u32,
+    /// Those of them that are hit for certain, with t* between `low` and `high`.
+    pub(crate) sure: u32,
+    pub(crate) low: [f32; LANES],
+    pub(crate) high: [f32; LANES],
+}
+
+impl TriangleRay {
+    #[inline(always)]
+    pub(crate) fn new(ray: &TraversalRay) -> Self {
+        let d = ray.direction64();
+        let size = d.abs();
+        let kz = if size.x >= size.y && size.x >= size.z {
+            0
+        } else if size.y >= size.z {
+            1
+        } else {
+            2
+        };
+        let k = [(kz + 1) % 3, (kz + 2) % 3, kz];
+        let o = ray.ray().origin;
+        let origin_error = if ray.is_rounded() { 20.0 * U * o.abs().max_element() } else { 0.0 };
+        Self {
+            k,
+            o: [o[k[0]], o[k[1]], o[k[2]]],
+            sx: (d[k[0]] / d[kz]) as f32,
+            sy: (d[k[1]] / d[kz]) as f32,
+            rdz: (1.0 / d[kz]) as f32,
+            origin_error,
+        }
+    }
+
+    /// The candidates among the `count` triangles of a leaf, whose numbers lie as [`TriangleBlocks`] writes them.
+    ///
+    /// [`TriangleBlocks`]: super::TriangleBlocks
+    ///
+    /// With u = 2⁻²⁴, D the largest extent of any of the triangles along an axis, and m = |A_z| + D, which bounds the depths
+    /// of all three vertices. A sheared coordinate x = pₓ − Sₓ p_z is wrong by δ <= u (4m + 2R), where R bounds the sheared
+    /// coordinates: one rounding in each p, in Sₓ, in the product (none where it is fused), and in the difference; an edge
+    /// function by 4Rδ + 4uR², rounded up. The sheared coordinates of a triangle that the ray meets are at most 2D, so
+    ///
+    ///   E = u (40 D |A_z| + 112 D²)
+    ///
+    /// is more than the error of its edge functions, and a triangle with edge functions below −E and above E is missed.
+    /// Nothing is known yet of the other triangles. Those with |A_x|, |A_y| <= 2.25 D have R <= 4.25 D, and their errors
+    /// are below 4E: with all edge functions above 4E, or all below −4E, they are hit.
+    ///
+    /// t = Σ eᵢ zᵢ / Σ eᵢ / d_z is a mean of depths that differ by D at most. Its weights are wrong by 24E / (|Σe| − 12E)
+    /// together, which is below 40E / |Σe| where |Σe| > 32E; the rest are at most 14 roundings of |A_z| + D.
+    ///
+    /// The comparisons are written so that what overflows, and becomes NaN, is neither missed nor certain.
+    #[inline(always)]
+    pub(crate) fn candidates<L: Lanes>(&self, leaf: &[f32; 96], count: usize, interval: Interval) -> Option<Candidates> {
+        let (ax, ay, az) = self.sheared::<L>(leaf, count, 0);
+        let (bx, by, bz) = self.sheared::<L>(leaf, count, 1);
+        let (cx, cy, cz) = self.sheared::<L>(leaf, count, 2);
+        let e0 = L::mul_sub(cx, by, L::mul(cy, bx));
+        let e1 = L::mul_sub(ax, cy, L::mul(ay, cx));
+        let e2 = L::mul_sub(bx, ay, L::mul(by, ax));
+        let d = leaf[0];
+        let tiny = f32::MIN_POSITIVE;
+        let error = L::mul_add(L::abs(az), L::splat(40.0 * U * d), L::splat(d * (112.0 * U * d + self.origin_error) + tiny));
+        let low = L::min(e0, L::min(e1, e2));
+        let high = L::max(e0, L::max(e1, e2));
+        let missed = L::lt(low, L::neg(error)) & L::lt(error, high);
+        let maybe = !missed & ((1 << count) - 1);
+        if maybe == 0 {
+            return None;
+        }
+        // The depths of the vertices bound t* of what is hit, whatever its edge functions are.
+        let rdz = L::splat(self.rdz);
+        let extent = L::splat(d);
+        let of_depth = L::mul_add(L::add(L::abs(az), extent), L::splat(20.0 * U), L::splat(self.origin_error));
+        let of_depth = L::mul(of_depth, L::abs(rdz));
+        let first = L::mul(L::min(az, L::min(bz, cz)), rdz);
+        let last = L::mul(L::max(az, L::max(bz, cz)), rdz);
+        let (first, last) = (L::sub(L::min(first, last), of_depth), L::add(L::max(first, last), of_depth));
+        let (t_min, t_max) = (L::splat(interval.t_min()), L::splat(interval.t_max()));
+        let maybe = maybe & !(L::lt(t_max, first) | L::lt(last, t_min));
+        if maybe == 0 {
+            return None;
+        }
+        let error = L::mul(error, L::splat(4.0));
+        let sum = L::add(e0, L::add(e1, e2));
+        let sure = (L::lt(error, low) | L::lt(high, L::neg(error)))
+            & L::lt(L::mul(error, L::splat(8.0)), L::abs(sum))
+            & L::lt(L::max(L::abs(ax), L::abs(ay)), L::splat(2.25 * d));
+        let r = L::div(L::splat(1.0), sum);
+        let t = L::mul(L::mul(L::mul_add(e0, az, L::mul_add(e1, bz, L::mul(e2, cz))), r), rdz);
+        let of_weights = L::mul(L::mul(L::mul(L::abs(r), error), L::splat(10.0 * d)), L::abs(rdz));
+        let width = L::add(of_weights, of_depth);
+        let (low, high) = (L::sub(t, width), L::add(t, width));
+        // The ends are finite, or nothing is certain.
+        let sure = sure & L::lt(low, L::splat(f32::INFINITY)) & L::lt(high, L::splat(f32::INFINITY));
+        let maybe = maybe & !(sure & (L::lt(t_max, low) | L::lt(high, t_min)));
+        Some(Candidates { maybe, sure: sure & maybe, low: L::to_array(low), high: L::to_array(high) })
+    }
+
+    /// The sheared coordinates of one vertex of each triangle. (A function and not a closure, which would be compiled on its
+    /// own, for no instruction set.)
+    #[inline(always)]
+    fn sheared<L: Lanes>(&self, leaf: &[f32; 96], count: usize, vertex: usize) -> (L::F32, L::F32, L::F32) {
+        let [kx, ky, kz] = self.k;
+        let z = L::sub(load::<L>(leaf, count, vertex, kz), L::splat(self.o[2]));
+        let x = L::sub(load::<L>(leaf, count, vertex, kx), L::splat(self.o[0]));
+        let y = L::sub(load::<L>(leaf, count, vertex, ky), L::splat(self.o[1]));
+        (L::neg_mul_add(L::splat(self.sx), z, x), L::neg_mul_add(L::splat(self.sy), z, y), z)
+    }
+}
+
+/// A coordinate of one vertex of each triangle; what is loaded beyond `count` is masked later.
+#[inline(always)]
+fn load<L: Lanes>(leaf: &[f32; 96], count: usize, vertex: usize, axis: usize) -> L::F32 {
+    // Within the leaf for every count up to eight: what is written here for others is never used.
+    match leaf.get(1 + (3 * vertex + axis) * count..).and_then(|numbers| numbers.first_chunk()) {
+        Some(numbers) => L::load(numbers),
+        None => L::splat(f32::NAN),
+    }
+}
