@@ -11,7 +11,7 @@ use geometry::{
 };
 
 use crate::simd::{Lanes, SimdWidth};
-use crate::wide::{BoxRay, Candidates, Child, Query, Traversal, TriangleBlocks, TriangleLeaf, TriangleRay, WideTree, collapse};
+use crate::wide::{Candidates, Child, Query, Traversal, TriangleBlocks, TriangleLeaf, TriangleRay, WideTree, collapse};
 use crate::{FlatBvh, MeshBvh};
 
 /// A triangle mesh with a wide tree over its triangles: nodes of eight children and leaves of up to eight triangles, each
@@ -62,8 +62,7 @@ impl WideMesh {
     #[inline]
     fn query<Q: Query>(&self, ray: &TraversalRay, interval: Interval, query: &mut Q) {
         let tree = &self.shared.tree;
-        let ray = BoxRay::new(ray);
-        self.width.run(Traversal { arena: &tree.arena, root: tree.root, ray: &ray, interval, query });
+        self.width.run(Traversal { arena: &tree.arena, root: tree.root, ray, interval, query });
     }
 
     fn common<'a>(&'a self, ray: &'a TraversalRay, interval: Interval) -> Common<'a> {
@@ -83,9 +82,9 @@ struct Common<'a> {
 
 impl<'a> Common<'a> {
     #[inline(always)]
-    fn candidates<L: Lanes>(&self, leaf: Child, interval: Interval) -> Option<(TriangleLeaf<'a>, Candidates)> {
+    fn candidates<L: Lanes>(&self, leaf: Child, t_max: f32) -> Option<(TriangleLeaf<'a>, Candidates)> {
         let leaf = TriangleLeaf::new(&self.tree.arena, leaf);
-        Some((leaf, self.triangles.candidates::<L>(leaf.numbers(), leaf.count(), interval)?))
+        Some((leaf, self.triangles.candidates::<L>(leaf.numbers(), leaf.count(), [self.interval.t_min(), t_max])?))
     }
 
     /// Whether t* is in the interval for certain.
@@ -105,7 +104,6 @@ struct Found {
     leaf: Child,
     lane: usize,
     low: f32,
-    high: f32,
     /// Narrower bounds of t*, once there was a need for them.
     enclosure: Option<Enclosure>,
 }
@@ -121,7 +119,7 @@ impl Query for ClosestQuery<'_> {
 
     #[inline(always)]
     fn leaf<L: Lanes>(&mut self, leaf: Child) -> ControlFlow<(), f32> {
-        let Some((_, Candidates { mut maybe, sure, low, high })) = self.common.candidates::<L>(leaf, self.common.interval.with_t_max(self.t_max)) else {
+        let Some((_, Candidates { mut maybe, sure, low, high })) = self.common.candidates::<L>(leaf, self.t_max) else {
             return ControlFlow::Continue(self.t_max);
         };
         while maybe != 0 {
@@ -134,7 +132,7 @@ impl Query for ClosestQuery<'_> {
             }
             let is_first = self.closest.as_ref().is_none_or(|closest| high < closest.low);
             if is_sure && is_first && self.common.is_inside(low, high) {
-                self.closest = Some(Found { leaf, lane, low, high, enclosure: None });
+                self.closest = Some(Found { leaf, lane, low, enclosure: None });
                 self.t_max = high;
             } else {
                 self.decide(leaf, lane);
@@ -170,7 +168,7 @@ impl ClosestQuery<'_> {
             }
         }
         let (low, high) = (geometry::round_down(enclosure.low()), round_up(enclosure.high()));
-        self.closest = Some(Found { leaf, lane, low, high, enclosure: Some(enclosure) });
+        self.closest = Some(Found { leaf, lane, low, enclosure: Some(enclosure) });
         self.t_max = high;
     }
 
@@ -179,8 +177,7 @@ impl ClosestQuery<'_> {
         let triangle = TriangleLeaf::new(&self.common.tree.arena, found.leaf);
         let vertices = triangle.vertices(found.lane);
         let exact = self.common.exact();
-        let enclosure = found.enclosure.unwrap_or_else(|| exact.enclose(&vertices));
-        let TriangleHit { t, u, v } = exact.values(&vertices, &enclosure, &mut ());
+        let TriangleHit { t, u, v } = exact.values_of_hit(&vertices);
         Some(Hit { t, u, v, primitive: u64::from(triangle.primitive(found.lane)) })
     }
 }
@@ -195,7 +192,7 @@ impl Query for AnyQuery<'_> {
 
     #[inline(always)]
     fn leaf<L: Lanes>(&mut self, leaf: Child) -> ControlFlow<(), f32> {
-        let Some((_, Candidates { mut maybe, sure, low, high })) = self.common.candidates::<L>(leaf, self.common.interval) else {
+        let Some((_, Candidates { mut maybe, sure, low, high })) = self.common.candidates::<L>(leaf, self.common.interval.t_max()) else {
             return ControlFlow::Continue(f32::INFINITY);
         };
         while maybe != 0 {
@@ -235,7 +232,7 @@ impl Query for AllQuery<'_, '_> {
     #[inline(always)]
     fn leaf<L: Lanes>(&mut self, leaf: Child) -> ControlFlow<(), f32> {
         self.work.primitives += leaf.count() as u64;
-        if let Some((_, Candidates { maybe, .. })) = self.common.candidates::<L>(leaf, self.common.interval) {
+        if let Some((_, Candidates { maybe, .. })) = self.common.candidates::<L>(leaf, self.common.interval.t_max()) {
             self.tell(leaf, maybe);
         }
         self.visit

@@ -41,6 +41,6 @@ pub use rounding::{MAX_COORDINATE, round_down, round_up};
 pub use shape::{Shape, SurfacePoint};
 pub use sphere::{Sphere, SphereError};
 pub use transform::{Transform, TransformError};
-pub use traversal_ray::TraversalRay;
+pub use traversal_ray::{Shear, TraversalRay};
 pub use triangle::{TriangleHit, intersect_triangle, triangle_bounds, triangle_surface_point};
 pub use triangle_mesh::{MeshError, TriangleMesh};

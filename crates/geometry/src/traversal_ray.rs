@@ -25,6 +25,7 @@ pub struct TraversalRay {
     reciprocal_near: Vec3,
     /// Reciprocals of the direction, widened; infinite for a zero component: for the planes through which it leaves.
     reciprocal_far: Vec3,
+    is_rounded: bool,
     pub(crate) shear: Shear,
 }
 
@@ -32,42 +33,50 @@ pub struct TraversalRay {
 /// largest direction component, and the shear (Sx, Sy) that makes the ray the kz axis. kx and ky are not exchanged for a
 /// negative direction, since both windings are hit.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Shear {
-    pub(crate) kx: usize,
-    pub(crate) ky: usize,
-    pub(crate) kz: usize,
-    pub(crate) sx: f32,
-    pub(crate) sy: f32,
+pub struct Shear {
+    /// The axis that x is taken from.
+    pub kx: usize,
+    /// The axis that y is taken from.
+    pub ky: usize,
+    /// The axis of the largest component of the direction.
+    pub kz: usize,
+    /// d[kx] / d[kz], rounded.
+    pub sx: f32,
+    /// d[ky] / d[kz], rounded.
+    pub sy: f32,
 }
 
 impl TraversalRay {
     /// Prepares a ray; `None` where a component of origin or direction or the time is not finite, or the direction is
     /// zero.
+    #[inline]
     pub fn new(ray: &Ray) -> Option<Self> {
-        Self::from_f64(ray.origin.as_dvec3(), ray.direction.as_dvec3(), ray.time)
+        is_valid(ray).then(|| Self::prepare(*ray, ray.origin.as_dvec3(), ray.direction.as_dvec3(), false))
     }
 
     /// Prepares a ray that is known in f64, rounding it to f32 once; `None` as for [`new`](Self::new), with the rounded
     /// components.
     pub fn from_f64(origin64: DVec3, direction64: DVec3, time: f32) -> Option<Self> {
         let ray = Ray { origin: origin64.as_vec3(), direction: direction64.as_vec3(), time };
-        let valid =
-            ray.origin.is_finite() && ray.direction.is_finite() && ray.direction != Vec3::ZERO && time.is_finite();
-        if !valid {
-            return None;
-        }
+        let is_rounded = origin64 != ray.origin.as_dvec3() || direction64 != ray.direction.as_dvec3();
+        is_valid(&ray).then(|| Self::prepare(ray, origin64, direction64, is_rounded))
+    }
+
+    #[inline]
+    fn prepare(ray: Ray, origin64: DVec3, direction64: DVec3, is_rounded: bool) -> Self {
         let reciprocal = ray.direction.recip();
         // The near reciprocal of a zero (or denormal) component must stay finite: it then never over-estimates the
         // entry, where an infinite one would turn an origin in the plane into NaN.
         let near = (reciprocal * (1.0 - PADDING)).clamp(Vec3::splat(-f32::MAX), Vec3::splat(f32::MAX));
-        Some(Self {
+        Self {
             ray,
             origin64,
             direction64,
             reciprocal_near: near,
             reciprocal_far: reciprocal * (1.0 + PADDING),
+            is_rounded,
             shear: Shear::new(ray.direction),
-        })
+        }
     }
 
     /// The ray in f32.
@@ -88,7 +97,27 @@ impl TraversalRay {
     /// Whether the f32 ray is not exactly the f64 one: it was transformed.
     #[inline]
     pub fn is_rounded(&self) -> bool {
-        self.origin64 != self.ray.origin.as_dvec3() || self.direction64 != self.ray.direction.as_dvec3()
+        self.is_rounded
+    }
+
+    /// The reciprocals of the direction for the planes through which the ray enters a box: smaller in size by 6 ulp, and
+    /// finite.
+    #[inline]
+    pub fn reciprocal_near(&self) -> Vec3 {
+        self.reciprocal_near
+    }
+
+    /// The reciprocals of the direction for the planes through which the ray leaves a box: larger in size by 6 ulp, and
+    /// infinite for a component of zero.
+    #[inline]
+    pub fn reciprocal_far(&self) -> Vec3 {
+        self.reciprocal_far
+    }
+
+    /// The shear that makes the ray an axis.
+    #[inline]
+    pub fn shear(&self) -> Shear {
+        self.shear
     }
 
     /// The time of the ray.
@@ -133,18 +162,22 @@ impl TraversalRay {
     }
 }
 
+/// Whether everything is finite and the direction is not zero.
+#[inline]
+fn is_valid(ray: &Ray) -> bool {
+    ray.origin.is_finite() & ray.direction.is_finite() & (ray.direction != Vec3::ZERO) & ray.time.is_finite()
+}
+
 impl Shear {
+    #[inline]
     fn new(direction: Vec3) -> Self {
+        // Without branches, which random directions would make the processor guess wrong.
         let d = direction.abs();
-        let kz = if d.x >= d.y && d.x >= d.z {
-            0
-        } else if d.y >= d.z {
-            1
-        } else {
-            2
-        };
-        let (kx, ky) = ((kz + 1) % 3, (kz + 2) % 3);
-        Self { kx, ky, kz, sx: direction[kx] / direction[kz], sy: direction[ky] / direction[kz] }
+        let of_xy = if d.y > d.x { (d.y, 1) } else { (d.x, 0) };
+        let kz = if d.z > of_xy.0 { 2 } else { of_xy.1 };
+        let (kx, ky) = ([1, 2, 0][kz], [2, 0, 1][kz]);
+        let d = direction.to_array();
+        Self { kx, ky, kz, sx: d[kx] / d[kz], sy: d[ky] / d[kz] }
     }
 }
 

@@ -14,8 +14,8 @@ pub(super) struct Avx2;
 /// An expression of intrinsics.
 macro_rules! op {
     ($e:expr) => {
-        // SAFETY: the processor has the instructions (see above); those that access memory do so through references to
-        // eight numbers, and need no alignment.
+        // SAFETY: the processor has the instructions (see above); those that access memory need no alignment, and do so
+        // through references to eight numbers, or eight from a place of at least eight that is kept within them.
         unsafe { $e }
     };
 }
@@ -55,6 +55,11 @@ impl Lanes for Avx2 {
     #[inline(always)]
     fn load(x: &[f32; LANES]) -> __m256 {
         op!(_mm256_loadu_ps(x.as_ptr()))
+    }
+    #[inline(always)]
+    fn load_at<const N: usize>(x: &[f32; N], at: usize) -> __m256 {
+        const { assert!(N >= LANES) };
+        op!(_mm256_loadu_ps(x.as_ptr().add(at.min(N - LANES))))
     }
     #[inline(always)]
     fn load_u32(x: &[u32; LANES]) -> __m256i {

@@ -35,6 +35,8 @@ pub(crate) trait Lanes: Copy {
 
     fn splat(x: f32) -> Self::F32;
     fn load(x: &[f32; LANES]) -> Self::F32;
+    /// Eight numbers from place `at` on, or the last eight where there are fewer from there.
+    fn load_at<const N: usize>(x: &[f32; N], at: usize) -> Self::F32;
     fn load_u32(x: &[u32; LANES]) -> Self::U32;
     fn to_array(x: Self::F32) -> [f32; LANES];
 

@@ -43,6 +43,11 @@ impl Lanes for Portable {
         *x
     }
     #[inline(always)]
+    fn load_at<const N: usize>(x: &[f32; N], at: usize) -> F {
+        const { assert!(N >= LANES) };
+        std::array::from_fn(|i| x[at.min(N - LANES) + i])
+    }
+    #[inline(always)]
     fn load_u32(x: &[u32; LANES]) -> U {
         *x
     }

@@ -2,10 +2,10 @@
 
 use std::ops::ControlFlow;
 
-use geometry::Interval;
+use geometry::{Interval, TraversalRay};
 
 use super::arena::{Arena, Child};
-use super::box_ray::{BoxLanes, BoxRay};
+use super::box_ray::{BoxLanes, is_regular};
 use crate::MAX_DEPTH;
 use crate::simd::{Kernel, Lanes, Stack};
 
@@ -30,7 +30,7 @@ pub(crate) trait Query {
 pub(crate) struct Traversal<'a, Q> {
     pub(crate) arena: &'a Arena,
     pub(crate) root: Option<Child>,
-    pub(crate) ray: &'a BoxRay,
+    pub(crate) ray: &'a TraversalRay,
     pub(crate) interval: Interval,
     pub(crate) query: &'a mut Q,
 }
@@ -40,7 +40,7 @@ impl<Q: Query> Kernel for Traversal<'_, Q> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        if self.ray.is_regular() { self.traverse::<L, true>() } else { self.traverse::<L, false>() }
+        if is_regular(self.ray) { self.traverse::<L, true>() } else { self.traverse::<L, false>() }
     }
 }
 
@@ -53,7 +53,7 @@ impl<Q: Query> Traversal<'_, Q> {
         }
         let mut t_max = interval.t_max();
         let mut lanes = BoxLanes::<L>::new::<REGULAR>(ray, interval.t_min(), t_max);
-        let shift = 3 * ray.octant();
+        let shift = 3 * lanes.octant();
         let mut stack: Stack<STACK> = Stack::new();
         let mut next = root;
         loop {

@@ -1,6 +1,6 @@
 //! The filter of triangles: what f32 can tell of eight of them at once.
 
-use geometry::{Interval, TraversalRay};
+use geometry::TraversalRay;
 
 use crate::simd::{LANES, Lanes};
 
@@ -34,25 +34,16 @@ pub(crate) struct Candidates {
 impl TriangleRay {
     #[inline(always)]
     pub(crate) fn new(ray: &TraversalRay) -> Self {
-        let d = ray.direction64();
-        let size = d.abs();
-        let kz = if size.x >= size.y && size.x >= size.z {
-            0
-        } else if size.y >= size.z {
-            1
-        } else {
-            2
-        };
-        let k = [(kz + 1) % 3, (kz + 2) % 3, kz];
-        let o = ray.ray().origin;
-        let origin_error = if ray.is_rounded() { 20.0 * U * o.abs().max_element() } else { 0.0 };
+        let (shear, o, d) = (ray.shear(), ray.ray().origin.to_array(), ray.ray().direction.to_array());
+        let k = [shear.kx, shear.ky, shear.kz];
+        let largest = |o: [f32; 3]| o[0].abs().max(o[1].abs()).max(o[2].abs());
         Self {
             k,
-            o: [o[k[0]], o[k[1]], o[k[2]]],
-            sx: (d[k[0]] / d[kz]) as f32,
-            sy: (d[k[1]] / d[kz]) as f32,
-            rdz: (1.0 / d[kz]) as f32,
-            origin_error,
+            o: k.map(|k| o[k]),
+            sx: shear.sx,
+            sy: shear.sy,
+            rdz: 1.0 / d[shear.kz],
+            origin_error: if ray.is_rounded() { 20.0 * U * largest(o) } else { 0.0 },
         }
     }
 
@@ -61,11 +52,11 @@ impl TriangleRay {
     /// [`TriangleBlocks`]: super::TriangleBlocks
     ///
     /// With u = 2⁻²⁴, D the largest extent of any of the triangles along an axis, and m = |A_z| + D, which bounds the depths
-    /// of all three vertices. A sheared coordinate x = pₓ − Sₓ p_z is wrong by δ <= u (4m + 2R), where R bounds the sheared
-    /// coordinates: one rounding in each p, in Sₓ, in the product (none where it is fused), and in the difference; an edge
-    /// function by 4Rδ + 4uR², rounded up. The sheared coordinates of a triangle that the ray meets are at most 2D, so
+    /// of all three vertices. A sheared coordinate x = pₓ − Sₓ p_z is wrong by δ <= u (6m + 2R), where R bounds the sheared
+    /// coordinates: one rounding in each p, three in Sₓ (of a direction that was rounded), one in the product (none where it
+    /// is fused), one in the difference; an edge function by 4Rδ + 4uR². The sheared coordinates of a triangle that the ray meets are at most 2D, so
     ///
-    ///   E = u (40 D |A_z| + 112 D²)
+    ///   E = u (56 D |A_z| + 128 D²)
     ///
     /// is more than the error of its edge functions, and a triangle with edge functions below −E and above E is missed.
     /// Nothing is known yet of the other triangles. Those with |A_x|, |A_y| <= 2.25 D have R <= 4.25 D, and their errors
@@ -76,7 +67,7 @@ impl TriangleRay {
     ///
     /// The comparisons are written so that what overflows, and becomes NaN, is neither missed nor certain.
     #[inline(always)]
-    pub(crate) fn candidates<L: Lanes>(&self, leaf: &[f32; 96], count: usize, interval: Interval) -> Option<Candidates> {
+    pub(crate) fn candidates<L: Lanes>(&self, leaf: &[f32; 96], count: usize, [t_min, t_max]: [f32; 2]) -> Option<Candidates> {
         let (ax, ay, az) = self.sheared::<L>(leaf, count, 0);
         let (bx, by, bz) = self.sheared::<L>(leaf, count, 1);
         let (cx, cy, cz) = self.sheared::<L>(leaf, count, 2);
@@ -85,7 +76,7 @@ impl TriangleRay {
         let e2 = L::mul_sub(bx, ay, L::mul(by, ax));
         let d = leaf[0];
         let tiny = f32::MIN_POSITIVE;
-        let error = L::mul_add(L::abs(az), L::splat(40.0 * U * d), L::splat(d * (112.0 * U * d + self.origin_error) + tiny));
+        let error = L::mul_add(L::abs(az), L::splat(56.0 * U * d), L::splat(d * (128.0 * U * d + self.origin_error) + tiny));
         let low = L::min(e0, L::min(e1, e2));
         let high = L::max(e0, L::max(e1, e2));
         let missed = L::lt(low, L::neg(error)) & L::lt(error, high);
@@ -101,7 +92,7 @@ impl TriangleRay {
         let first = L::mul(L::min(az, L::min(bz, cz)), rdz);
         let last = L::mul(L::max(az, L::max(bz, cz)), rdz);
         let (first, last) = (L::sub(L::min(first, last), of_depth), L::add(L::max(first, last), of_depth));
-        let (t_min, t_max) = (L::splat(interval.t_min()), L::splat(interval.t_max()));
+        let (t_min, t_max) = (L::splat(t_min), L::splat(t_max));
         let maybe = maybe & !(L::lt(t_max, first) | L::lt(last, t_min));
         if maybe == 0 {
             return None;
@@ -137,9 +128,5 @@ impl TriangleRay {
 /// A coordinate of one vertex of each triangle; what is loaded beyond `count` is masked later.
 #[inline(always)]
 fn load<L: Lanes>(leaf: &[f32; 96], count: usize, vertex: usize, axis: usize) -> L::F32 {
-    // Within the leaf for every count up to eight: what is written here for others is never used.
-    match leaf.get(1 + (3 * vertex + axis) * count..).and_then(|numbers| numbers.first_chunk()) {
-        Some(numbers) => L::load(numbers),
-        None => L::splat(f32::NAN),
-    }
+    L::load_at(leaf, 1 + (3 * vertex + axis) * count)
 }

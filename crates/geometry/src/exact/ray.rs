@@ -155,9 +155,22 @@ impl ExactRay {
             self.line.approximate(vertices).b
         });
         observer.decided(tier);
-        // Not −0.
-        let [u, v] = b.map(|b| (b.clamp(0.0, 1.0) + 0.0) as f32);
-        TriangleHit { t, u, v }
+        TriangleHit { t, u: unit_f32(b[0]), v: unit_f32(b[1]) }
+    }
+
+    /// The [`values`](Self::values) of a triangle that the ray is known to hit.
+    #[inline]
+    pub fn values_of_hit(&self, vertices: &[Vec3; 3]) -> TriangleHit {
+        let sheared = self.frame.shear(vertices);
+        match (sheared.t(self.frame.dz()), sheared.barycentrics()) {
+            (Some(t), Some(b)) => TriangleHit { t, u: unit_f32(b[0]), v: unit_f32(b[1]) },
+            _ => self.values_of_difficult_hit(vertices),
+        }
+    }
+
+    #[cold]
+    fn values_of_difficult_hit(&self, vertices: &[Vec3; 3]) -> TriangleHit {
+        self.values(vertices, &self.enclose(vertices), &mut ())
     }
 
     fn round_t(&self, vertices: &[Vec3; 3], hit: &Enclosure, tier: &mut Tier) -> f32 {
@@ -177,4 +190,10 @@ impl ExactRay {
             _ => high,
         }
     }
+}
+
+/// Rounded into [0, 1], and not to −0.
+#[inline]
+fn unit_f32(x: f64) -> f32 {
+    (x.clamp(0.0, 1.0) + 0.0) as f32
 }
