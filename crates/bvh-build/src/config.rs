@@ -5,7 +5,7 @@ use crate::BuildError;
 /// How a node's primitives are divided between its children: pbrt's four ways.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum SplitMethod {
-    /// By the surface area heuristic, the expected cost of a ray, over 12 buckets. The best trees.
+    /// By the surface area heuristic, the expected cost of a ray, over buckets. The best trees.
     Sah,
     /// Hierarchical linear BVH: treelets by Morton order, and the surface area heuristic above them. Fast to build.
     Hlbvh,
@@ -28,6 +28,22 @@ impl SplitMethod {
             Self::EqualCounts => "equal-counts",
         }
     }
+}
+
+/// Along which axes the surface area heuristic looks for the cheapest split of a node.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum SplitAxes {
+    /// Along the one on which the centroids are spread most, as in pbrt. The fastest.
+    #[default]
+    Dominant,
+    /// Along all three. A node with no more primitives than there are [`buckets`](BuildConfig::buckets) needs none: all
+    /// its primitives are swept in the order of their centroids, and every boundary between two centroids is weighed.
+    All,
+}
+
+impl SplitAxes {
+    /// Both choices, the simpler one first.
+    pub const ALL: [SplitAxes; 2] = [Self::Dominant, Self::All];
 }
 
 /// How many bits [`SplitMethod::Hlbvh`] spends on a primitive's place along the Morton curve.
@@ -59,6 +75,12 @@ pub struct BuildConfig {
     pub traversal_cost: f32,
     /// The chapter's t_isect: the cost of testing one primitive. Finite, not negative; default 1.
     pub intersection_cost: f32,
+    /// Into how many buckets the interval of a node's centroids is divided, wherever a node is split by the surface area
+    /// heuristic: by [`SplitMethod::Sah`], and above the treelets of [`SplitMethod::Hlbvh`]. More of them find cheaper
+    /// splits and take longer to search. Between 2 and 64; default 12, as in pbrt.
+    pub buckets: u32,
+    /// Along which axes the same splits are looked for; default [`SplitAxes::Dominant`].
+    pub axes: SplitAxes,
     /// The length of the Morton codes; only [`SplitMethod::Hlbvh`] uses it.
     pub morton_bits: MortonBits,
 }
@@ -72,6 +94,9 @@ impl Default for BuildConfig {
 /// The most primitives that a leaf may be allowed.
 const MAX_LEAF: u32 = u16::MAX as u32;
 
+/// The most buckets: arrays of this size are on the stack.
+pub(crate) const MAX_BUCKETS: usize = 64;
+
 impl BuildConfig {
     /// `split_method` with the default for everything else.
     pub const fn new(split_method: SplitMethod) -> Self {
@@ -80,6 +105,8 @@ impl BuildConfig {
             max_primitives_in_leaf: 4,
             traversal_cost: 0.5,
             intersection_cost: 1.0,
+            buckets: 12,
+            axes: SplitAxes::Dominant,
             morton_bits: MortonBits::Auto,
         }
     }
@@ -94,6 +121,16 @@ impl BuildConfig {
         Self { traversal_cost, intersection_cost, ..self }
     }
 
+    /// The same with another number of [`buckets`](Self::buckets).
+    pub const fn with_buckets(self, buckets: u32) -> Self {
+        Self { buckets, ..self }
+    }
+
+    /// The same with splits looked for along other axes.
+    pub const fn with_axes(self, axes: SplitAxes) -> Self {
+        Self { axes, ..self }
+    }
+
     /// The same with another length of Morton codes.
     pub const fn with_morton_bits(self, morton_bits: MortonBits) -> Self {
         Self { morton_bits, ..self }
@@ -105,6 +142,13 @@ impl BuildConfig {
                 parameter: "max_primitives_in_leaf",
                 value: self.max_primitives_in_leaf as f32,
                 requirement: "between 1 and 65535",
+            });
+        }
+        if !(2..=MAX_BUCKETS as u32).contains(&self.buckets) {
+            return Err(BuildError::InvalidConfig {
+                parameter: "buckets",
+                value: self.buckets as f32,
+                requirement: "between 2 and 64",
             });
         }
         for (parameter, value) in
@@ -130,6 +174,8 @@ mod tests {
         for bad in [
             BuildConfig::default().with_max_primitives_in_leaf(0),
             BuildConfig::default().with_max_primitives_in_leaf(65_536),
+            BuildConfig::default().with_buckets(1),
+            BuildConfig::default().with_buckets(65),
             BuildConfig::default().with_costs(-1.0, 1.0),
             BuildConfig::default().with_costs(f32::NAN, 1.0),
             BuildConfig::default().with_costs(1.0, f32::INFINITY),

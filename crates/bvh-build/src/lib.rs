@@ -15,7 +15,8 @@
 //!   ```
 //!
 //!   Centroids are gathered in 12 buckets, the cost is computed for the 11 boundaries between them, and the least wins:
-//!   the split, or the leaf where that is cheaper.
+//!   the split, or the leaf where that is cheaper. [More buckets](BuildConfig::buckets) and [all
+//!   axes](BuildConfig::axes) instead of the dominant one find better splits.
 //! - [`Hlbvh`](SplitMethod::Hlbvh) sorts where the others search. Interleaving the bits of a centroid's grid coordinates
 //!   gives its place along the Morton curve, and sorting by it puts neighbours next to each other:
 //!
@@ -67,12 +68,13 @@ mod observer;
 mod parallel;
 mod prim_info;
 mod recursive;
+mod small;
 mod split;
 mod subtree;
 mod tree;
 
 pub use builder::{build, build_observed};
-pub use config::{BuildConfig, MortonBits, SplitMethod};
+pub use config::{BuildConfig, MortonBits, SplitAxes, SplitMethod};
 pub use depth::MAX_DEPTH;
 pub use error::BuildError;
 pub use geometry;

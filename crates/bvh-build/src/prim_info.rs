@@ -16,6 +16,9 @@ pub(crate) struct PrimInfo {
 }
 
 impl PrimInfo {
+    /// What only takes up a place.
+    pub(crate) const ZERO: Self = Self { min: Vec3::ZERO, index: 0, max: Vec3::ZERO, unused: 0 };
+
     /// `index` with its `bounds`. A zero loses its sign, so that the union of bounds, minimum by minimum, is the same
     /// bits in any order.
     pub(crate) fn new(bounds: &Bounds3, index: u32) -> Self {

@@ -4,7 +4,7 @@ use crate::depth::DepthLimit;
 use crate::prim_info::{Extent, PrimInfo};
 use crate::split::split;
 use crate::subtree::{Part, Step};
-use crate::{BuildConfig, SplitMethod};
+use crate::{BuildConfig, Node, SplitAxes, SplitMethod, small};
 
 /// A set of primitives to split by one of the methods.
 pub(crate) struct Group<'a> {
@@ -65,5 +65,13 @@ impl Part for Group<'_> {
                 )
             }
         }
+    }
+
+    fn finish(&mut self, depth: u32, nodes: &mut Vec<Node>) -> Option<u32> {
+        let config = &self.rules.config;
+        let is_swept = config.split_method == SplitMethod::Sah
+            && config.axes == SplitAxes::All
+            && self.prims.len() <= config.buckets as usize;
+        is_swept.then(|| small::grow(self.prims, self.first, self.rules, depth, nodes))
     }
 }

@@ -19,6 +19,13 @@ pub(crate) trait Part: Send + Sized {
 
     /// What becomes of it as the node at `depth`, counted from 1 at the root.
     fn split(self, depth: u32) -> Step<Self>;
+
+    /// Appends the whole subtree to `nodes`, with its root at `depth`, where there is a faster way than to split and
+    /// split again; the depth of its deepest node. Second children are relative to the first of `nodes`.
+    fn finish(&mut self, depth: u32, nodes: &mut Vec<Node>) -> Option<u32> {
+        let _ = (depth, nodes);
+        None
+    }
 }
 
 /// What a part becomes.
@@ -66,12 +73,16 @@ impl Subtree {
         let mut nodes = Vec::with_capacity(part.len());
         let mut deepest = depth;
         let mut pending = vec![(part, depth, None)];
-        while let Some((part, depth, parent)) = pending.pop() {
+        while let Some((mut part, depth, parent)) = pending.pop() {
             deepest = deepest.max(depth);
             if let Some((parent, axis)) = parent {
                 let second_child = nodes.len() as u32;
                 let parent: &mut Node = &mut nodes[parent];
                 parent.kind = NodeKind::Interior { axis, second_child };
+            }
+            if let Some(end) = part.finish(depth, &mut nodes) {
+                deepest = deepest.max(end);
+                continue;
             }
             let (first, count) = (part.first(), part.len());
             match part.split(depth) {
@@ -159,11 +170,12 @@ impl Subtree {
     }
 }
 
-fn leaf(bounds: Bounds3, first: usize, count: usize) -> Node {
+/// A leaf.
+pub(crate) fn leaf(bounds: Bounds3, first: usize, count: usize) -> Node {
     Node { bounds, kind: NodeKind::Leaf { first: first as u32, count: count as u32 } }
 }
 
 /// An interior node whose second child is not known yet.
-fn interior(bounds: Bounds3, axis: Axis) -> Node {
+pub(crate) fn interior(bounds: Bounds3, axis: Axis) -> Node {
     Node { bounds, kind: NodeKind::Interior { axis, second_child: 0 } }
 }

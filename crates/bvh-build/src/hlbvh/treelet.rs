@@ -9,7 +9,7 @@ use crate::parallel;
 use crate::prim_info::{Bounds3A, PrimInfo};
 use crate::recursive::{Group, Rules};
 use crate::subtree::{Part, Step, Subtree};
-use crate::{BuildConfig, SplitMethod};
+use crate::{BuildConfig, Node, SplitMethod};
 
 /// The height that no treelet exceeds: above it there must be room for a balanced tree over all treelets.
 ///
@@ -77,6 +77,13 @@ impl Part for TreeletPart<'_> {
             Self::Coded { codes: a_codes, prims: a, first, rules },
             Self::Coded { codes: b_codes, prims: b, first: first + middle, rules },
         )
+    }
+
+    fn finish(&mut self, depth: u32, nodes: &mut Vec<Node>) -> Option<u32> {
+        match self {
+            Self::Coded { .. } => None,
+            Self::Cell(group) => group.finish(depth, nodes),
+        }
     }
 }
 

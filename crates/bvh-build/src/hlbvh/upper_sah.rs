@@ -34,7 +34,7 @@ impl Upper<'_> {
         let interval = extent.centroid_interval().filter(|_| self.limit.allows_any_split(depth, roots.len()));
         let split = interval
             .filter(|_| extent.bounds.surface_area() > 0.0)
-            .and_then(|interval| sah::split(roots, extent, interval, self.config, f64::INFINITY))
+            .and_then(|_| sah::split(roots, extent, self.config, f64::INFINITY))
             .unwrap_or_else(|| equal_counts::split(roots, extent));
         let (a, b) = roots.split_at_mut(split.middle);
         let a = self.build(a, &split.extents[0], depth + 1);

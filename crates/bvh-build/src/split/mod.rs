@@ -36,10 +36,10 @@ pub(crate) fn split(prims: &mut [PrimInfo], extent: &Extent, config: &BuildConfi
         _ if prims.len() == 1 => None,
         // pbrt gives pairs to equal counts and never asks whether they would be better as a leaf. The buckets find the
         // same split, and do ask.
-        (SplitMethod::Sah, Some(interval)) if extent.bounds.surface_area() > 0.0 => {
+        (SplitMethod::Sah, Some(_)) if extent.bounds.surface_area() > 0.0 => {
             let leaf_cost =
                 if fits_a_leaf { f64::from(config.intersection_cost) * prims.len() as f64 } else { f64::INFINITY };
-            match sah::split(prims, extent, interval, config, leaf_cost) {
+            match sah::split(prims, extent, config, leaf_cost) {
                 // Only where the processor takes differences below 2⁻¹²⁶ for zero.
                 None if !fits_a_leaf => Some(equal_counts::split(prims, extent)),
                 split => split,

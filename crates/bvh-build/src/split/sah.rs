@@ -1,48 +1,83 @@
-//! The surface area heuristic over buckets.
+//! The surface area heuristic: over buckets, or over all boundaries where primitives are few.
 
+mod all_axes;
 mod buckets;
 mod few;
+mod sweep;
 
 use geometry::Axis;
 
 use super::{Split, partition};
-use crate::BuildConfig;
+use crate::config::MAX_BUCKETS;
 use crate::prim_info::{Extent, PrimInfo};
+use crate::{BuildConfig, SplitAxes};
 use buckets::Buckets;
+pub(crate) use sweep::{MAX_SWEPT, Sorted};
 
-/// Into how many buckets the interval of the centroids is divided, as in pbrt.
-const BUCKET_COUNT: usize = 12;
-
-/// Splits `prims` between two of 12 equal buckets over the interval `(axis, low, high)` of their centroids: at that of
-/// the 11 boundaries where the expected cost of a ray that meets the node is least, of equals at the first. `None`
-/// where no split costs less than `leaf_cost`.
+/// Splits `prims` where the expected cost of a ray that meets the node is least, by the axes and buckets of `config`.
+/// `None` where no split costs less than `leaf_cost`, or no boundary separates anything.
 ///
 /// The cost is t_trav + p_A n_A t_isect + p_B n_B t_isect. A random ray that meets the node's bounds C meets bounds A
-/// inside of them with the probability p_A = s_A / s_C, s being the surface area (pbrt, chapter 4). Requires that
-/// low < high and s_C > 0.
+/// inside of them with the probability p_A = s_A / s_C, s being the surface area (pbrt, chapter 4). Requires that the
+/// centroids are not all one point, and s_C > 0.
+pub(crate) fn split(prims: &mut [PrimInfo], extent: &Extent, config: &BuildConfig, leaf_cost: f64) -> Option<Split> {
+    let limit = Limit::new(extent, config, leaf_cost);
+    match (config.axes, config.buckets) {
+        (SplitAxes::Dominant, ..=12) => one_axis::<12>(prims, extent, config, limit),
+        (SplitAxes::Dominant, ..=32) => one_axis::<32>(prims, extent, config, limit),
+        (SplitAxes::Dominant, _) => one_axis::<MAX_BUCKETS>(prims, extent, config, limit),
+        (SplitAxes::All, buckets) if prims.len() <= buckets as usize => sweep::split(prims, limit),
+        (SplitAxes::All, ..=16) => all_axes::split::<16>(prims, extent, config, limit),
+        (SplitAxes::All, ..=32) => all_axes::split::<32>(prims, extent, config, limit),
+        (SplitAxes::All, _) => all_axes::split::<MAX_BUCKETS>(prims, extent, config, limit),
+    }
+}
+
+/// Splits `prims` between two of the equal buckets over the interval of their centroids on the dominant axis: at that
+/// of the boundaries where the cost is least, of equals at the first.
 #[inline(never)] // Its arrays are large, and must not lie on the stack once for every level.
-pub(crate) fn split(
+fn one_axis<const CAPACITY: usize>(
     prims: &mut [PrimInfo],
     extent: &Extent,
-    (axis, low, high): (Axis, f32, f32),
     config: &BuildConfig,
-    leaf_cost: f64,
+    limit: Limit,
 ) -> Option<Split> {
-    let projection = Projection::new(axis, low, high);
-    let [t_trav, t_isect] = [config.traversal_cost, config.intersection_cost].map(f64::from);
-    let is_worth_it = |weight: f64| t_trav + t_isect * weight / extent.bounds.surface_area() < leaf_cost;
+    let (axis, low, high) = extent.centroid_interval()?;
+    let projection = Projection::new(axis, low, high, config.buckets);
     // With no more primitives than buckets, most buckets would be empty. With them for all nodes, a build of a million
     // boxes took 455 ms instead of 345 (one thread, CPU time).
-    if prims.len() <= BUCKET_COUNT {
-        let best = few::cheapest_boundary(prims, projection);
-        return is_worth_it(best.weight).then(|| Split::at(best.place, axis, prims));
+    if prims.len() <= config.buckets as usize {
+        let best = few::cheapest_boundary::<CAPACITY>(prims, projection);
+        return limit.is_above(best.weight).then(|| Split::at(best.place, axis, prims));
     }
-    let buckets = Buckets::of(prims, projection);
+    let buckets = Buckets::<CAPACITY>::of(prims, projection);
     let best = buckets.cheapest_boundary();
-    is_worth_it(best.weight).then(|| {
-        let middle = partition(prims, |p| projection.bucket(p) < best.place);
+    limit.is_above(best.weight).then(|| {
+        let middle = partition(prims, |p| projection.bucket(p) < best.place as i32);
         Split { axis, middle, extents: buckets.extents(best.place) }
     })
+}
+
+/// What a split must cost less than, to be made.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Limit {
+    t_trav: f64,
+    t_isect: f64,
+    area: f64,
+    leaf_cost: f64,
+}
+
+impl Limit {
+    /// The limit `leaf_cost` for a node that takes up `extent`, which has some area.
+    pub(crate) fn new(extent: &Extent, config: &BuildConfig, leaf_cost: f64) -> Self {
+        let [t_trav, t_isect] = [config.traversal_cost, config.intersection_cost].map(f64::from);
+        Self { t_trav, t_isect, area: extent.bounds.surface_area(), leaf_cost }
+    }
+
+    /// Whether a boundary of this weight costs less. No boundary has the weight infinity, and costs less than nothing.
+    fn is_above(&self, weight: f64) -> bool {
+        weight < f64::INFINITY && self.t_trav + self.t_isect * weight / self.area < self.leaf_cost
+    }
 }
 
 /// A boundary with primitives on both sides.
@@ -64,19 +99,21 @@ struct Projection {
     axis: Axis,
     low: f32,
     scale: f32,
+    last: i32,
 }
 
 impl Projection {
-    fn new(axis: Axis, low: f32, high: f32) -> Self {
-        Self { axis, low, scale: BUCKET_COUNT as f32 / (high - low) }
+    /// To `count` buckets over the interval from `low` to `high`.
+    fn new(axis: Axis, low: f32, high: f32, count: u32) -> Self {
+        Self { axis, low, scale: count as f32 / (high - low), last: count as i32 - 1 }
     }
 
     /// The bucket, never one that is not there. The lowest centroid is in the first bucket: 0 · scale is 0, or NaN
     /// where scale overflows to infinity, and both convert to 0. The highest is in the last: scale is rounded from
-    /// 12 / (high − low), and its product with the same difference is more than 11.
+    /// count / (high − low), and its product with the same difference is more than count − 1.
     #[inline]
-    fn bucket(self, p: &PrimInfo) -> usize {
-        (((p.centroid2_on(self.axis) - self.low) * self.scale) as i32).min(BUCKET_COUNT as i32 - 1) as usize
+    fn bucket(self, p: &PrimInfo) -> i32 {
+        (((p.centroid2_on(self.axis) - self.low) * self.scale) as i32).min(self.last)
     }
 }
 
@@ -108,27 +145,57 @@ mod tests {
             .collect()
     }
 
-    /// The 11 boundaries, each evaluated from the primitives: the indices before the cheapest, and its cost.
-    fn brute_force(prims: &[PrimInfo], config: &BuildConfig) -> (Vec<u32>, f64) {
+    /// The primitives' indices in the first part, in order, and the cost of the split.
+    type Found = (Vec<u32>, f64);
+
+    /// The cheaper one of `best` and the split into those with a key below some key, and the others; every one of them
+    /// evaluated from the primitives.
+    fn brute_force(prims: &[PrimInfo], config: &BuildConfig, key: impl Fn(&PrimInfo) -> f32, best: &mut Found) {
         let extent = Extent::of(prims);
-        let (axis, low, high) = extent.centroid_interval().expect("spread");
-        let side = |first: bool, place: usize| -> Vec<&PrimInfo> {
-            let bucket =
-                |p: &PrimInfo| (12.0 / (high - low) * (p.centroid2_on(axis) - low)).floor().clamp(0.0, 11.0) as usize;
-            prims.iter().filter(|p| (bucket(p) < place) == first).collect()
-        };
         let area = |side: &[&PrimInfo]| {
             side.iter().fold(Bounds3::EMPTY, |all, p| all.union(&p.bounds().to_bounds())).surface_area()
         };
+        let mut keys: Vec<_> = prims.iter().map(&key).collect();
+        keys.sort_by(f32::total_cmp);
+        keys.dedup();
+        for &middle in &keys[1..] {
+            let (a, b): (Vec<&PrimInfo>, Vec<&PrimInfo>) = prims.iter().partition(|p| key(p) < middle);
+            let weight = a.len() as f64 * area(&a) + b.len() as f64 * area(&b);
+            let cost = f64::from(config.traversal_cost)
+                + f64::from(config.intersection_cost) * weight / extent.bounds.surface_area();
+            if cost < best.1 {
+                *best = (indices(a.into_iter()), cost);
+            }
+        }
+    }
+
+    fn indices<'a>(prims: impl Iterator<Item = &'a PrimInfo>) -> Vec<u32> {
+        let mut indices: Vec<_> = prims.map(|p| p.index).collect();
+        indices.sort_unstable();
+        indices
+    }
+
+    /// The cheapest split that `config` allows.
+    fn cheapest(prims: &[PrimInfo], config: &BuildConfig) -> Found {
+        let extent = Extent::of(prims);
         let mut best = (Vec::new(), f64::INFINITY);
-        for place in 1..12 {
-            let [a, b] = [side(true, place), side(false, place)];
-            if !a.is_empty() && !b.is_empty() {
-                let weight = a.len() as f64 * area(&a) + b.len() as f64 * area(&b);
-                let cost = f64::from(config.traversal_cost)
-                    + f64::from(config.intersection_cost) * weight / extent.bounds.surface_area();
-                if cost < best.1 {
-                    best = (a.iter().map(|p| p.index).collect(), cost);
+        let count = config.buckets as f32;
+        for axis in Axis::ALL {
+            let [low, high] = [extent.centroids2.min, extent.centroids2.max].map(|c| c[axis.index()]);
+            let place = |p: &PrimInfo| count / (high - low) * (p.centroid2_on(axis) - low);
+            if low < high {
+                match config.axes {
+                    SplitAxes::Dominant if extent.centroids2.to_bounds().dominant_axis() != axis => {}
+                    SplitAxes::Dominant => {
+                        brute_force(prims, config, |p| place(p).floor().clamp(0.0, count - 1.0), &mut best);
+                    }
+                    SplitAxes::All if prims.len() <= config.buckets as usize => {
+                        brute_force(prims, config, |p| p.centroid2_on(axis), &mut best);
+                    }
+                    SplitAxes::All => {
+                        let bucket = |p: &PrimInfo| (place(p) - 0.5).round_ties_even().clamp(0.0, count - 1.0);
+                        brute_force(prims, config, bucket, &mut best);
+                    }
                 }
             }
         }
@@ -137,21 +204,26 @@ mod tests {
 
     #[test]
     fn the_split_is_the_cheapest_of_all_boundaries() {
-        let config = BuildConfig::default();
-        for n in (2..=40).chain([100, 1000, 70_000]) {
-            for seed in 0..if n < 100 { 20 } else { 2 } {
-                let mut prims = boxes(n, seed);
-                let extent = Extent::of(&prims);
-                let interval = extent.centroid_interval().expect("spread");
-                let (expected, cost) = brute_force(&prims, &config);
+        let configs = [2, 3, 12, 13, 16, 32, 33, 64].into_iter().flat_map(|buckets| {
+            SplitAxes::ALL.map(|axes| BuildConfig::default().with_buckets(buckets).with_axes(axes))
+        });
+        for config in configs {
+            for n in (2..=40).chain([63, 64, 65, 100, 1000, 70_000]) {
+                for seed in 0..if n < 100 { 5 } else { 1 } {
+                    let mut prims = boxes(n, seed);
+                    let extent = Extent::of(&prims);
+                    let (expected, cost) = cheapest(&prims, &config);
+                    let what = format!("{n} {seed} {config:?}");
 
-                assert!(split(&mut prims, &extent, interval, &config, cost).is_none(), "a leaf is as cheap: {n}");
-                let found = split(&mut prims, &extent, interval, &config, cost.next_up()).expect("a split is cheaper");
-                let mut before: Vec<_> = prims[..found.middle].iter().map(|p| p.index).collect();
-                before.sort_unstable();
-                assert_eq!(before, expected, "{n} {seed}");
-                assert_eq!(found.axis, interval.0);
-                assert_eq!(found.extents, [Extent::of(&prims[..found.middle]), Extent::of(&prims[found.middle..])]);
+                    assert!(split(&mut prims, &extent, &config, cost).is_none(), "a leaf is as cheap: {what}");
+                    let found = split(&mut prims, &extent, &config, cost.next_up()).expect("a split is cheaper");
+                    assert_eq!(indices(prims[..found.middle].iter()), expected, "{what}");
+                    let (a, b) = prims.split_at(found.middle);
+                    let on_axis = |p: &PrimInfo| p.centroid2_on(found.axis);
+                    let last = a.iter().map(on_axis).fold(f32::NEG_INFINITY, f32::max);
+                    assert!(b.iter().all(|p| last < on_axis(p)), "{what}");
+                    assert_eq!(found.extents, [Extent::of(a), Extent::of(b)], "{what}");
+                }
             }
         }
     }
@@ -162,8 +234,15 @@ mod tests {
         for low in ends {
             for high in ends.into_iter().filter(|&high| low < high) {
                 let at = |x: f32| PrimInfo::new(&Bounds3::new(Vec3::splat(0.0), Vec3::new(x, 0.0, 0.0)), 0);
-                let projection = Projection::new(Axis::X, low, high);
-                assert_eq!([projection.bucket(&at(low)), projection.bucket(&at(high))], [0, 11], "{low} {high}");
+                for count in [2, 3, 12, 31, 32, 64] {
+                    let projection = Projection::new(Axis::X, low, high, count);
+                    let ends = [at(low), at(high)];
+                    let last = count as i32 - 1;
+                    assert_eq!(ends.each_ref().map(|p| projection.bucket(p)), [0, last], "{low} {high} {count}");
+                    let grid = all_axes::Grid::<64>::new(&Extent::of(&ends), count);
+                    let buckets = ends.each_ref().map(|p| grid.buckets(p));
+                    assert_eq!(buckets, [[0, 0, 0], [last as usize, 0, 0]], "{low} {high} {count}");
+                }
             }
         }
     }

@@ -2,15 +2,13 @@
 
 use bvh_build::geometry::Bounds3;
 use bvh_build::geometry::glam::Vec3;
-use bvh_build::{BuildConfig, SplitMethod, Tree, build};
+use bvh_build::{Tree, build};
 
 use crate::scenes::{Random, uniform};
-use crate::threads::bits;
+use crate::threads::{bits, configs};
 
 fn trees<'a>(bounds: &'a [Bounds3]) -> impl Iterator<Item = (&'static str, Tree)> + 'a {
-    SplitMethod::ALL
-        .into_iter()
-        .map(|method| (method.name(), build(bounds, &BuildConfig::new(method)).expect("a valid configuration")))
+    configs().into_iter().map(|(name, config)| (name, build(bounds, &config).expect("a valid configuration")))
 }
 
 /// B16 to B18.

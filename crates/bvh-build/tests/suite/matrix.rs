@@ -2,7 +2,9 @@
 
 use bvh_build::geometry::Bounds3;
 use bvh_build::geometry::glam::Vec3;
-use bvh_build::{BuildConfig, BuildObserver, MortonBits, NodeKind, Phase, SplitMethod, Tree, build, build_observed};
+use bvh_build::{
+    BuildConfig, BuildObserver, MortonBits, NodeKind, Phase, SplitAxes, SplitMethod, Tree, build, build_observed,
+};
 
 use crate::check::check;
 use crate::scenes::{hard_cases, uniform};
@@ -29,6 +31,14 @@ fn every_tree_is_valid_for_extreme_parameters() {
         for config in [
             BuildConfig::new(SplitMethod::Hlbvh).with_morton_bits(MortonBits::Bits30),
             BuildConfig::new(SplitMethod::Hlbvh).with_morton_bits(MortonBits::Bits63),
+            BuildConfig::default().with_buckets(2),
+            BuildConfig::default().with_buckets(64),
+            BuildConfig::default().with_axes(SplitAxes::All),
+            BuildConfig::default().with_axes(SplitAxes::All).with_buckets(2).with_max_primitives_in_leaf(1),
+            BuildConfig::default().with_axes(SplitAxes::All).with_buckets(64).with_max_primitives_in_leaf(1),
+            BuildConfig::default().with_axes(SplitAxes::All).with_costs(0.0, 0.0).with_max_primitives_in_leaf(1),
+            BuildConfig::default().with_axes(SplitAxes::All).with_costs(f32::MAX, f32::MAX),
+            BuildConfig::new(SplitMethod::Hlbvh).with_axes(SplitAxes::All).with_buckets(32),
             BuildConfig::default().with_max_primitives_in_leaf(65_535),
             BuildConfig::default().with_costs(0.0, 0.0),
             BuildConfig::default().with_costs(0.0, 1.0),
@@ -51,6 +61,10 @@ fn coincident_primitives_make_balanced_trees() {
             check(&tree, &bounds, &config, method.name());
             assert_eq!(tree.statistics().depth, 1 + n.next_power_of_two().ilog2(), "{n}");
         }
+        let config = BuildConfig::default().with_axes(SplitAxes::All).with_max_primitives_in_leaf(1);
+        let tree = tree(&bounds, &config);
+        check(&tree, &bounds, &config, "all axes");
+        assert_eq!(tree.statistics().depth, 1 + n.next_power_of_two().ilog2(), "{n}");
     }
 }
 
@@ -73,6 +87,8 @@ fn methods_keep_their_order() {
     let cost = |method| tree(&bounds, &BuildConfig::new(method)).statistics().sah_cost;
     let [sah, hlbvh, middle, equal_counts] = SplitMethod::ALL.map(cost);
     assert!(sah < hlbvh && sah < middle && middle < equal_counts && hlbvh < equal_counts);
+    let all = tree(&bounds, &BuildConfig::default().with_axes(SplitAxes::All)).statistics().sah_cost;
+    assert!(all < sah);
 }
 
 /// B09: a far primitive must not spoil the tree of all the others, though it puts them into one cell of any grid.

@@ -1,9 +1,10 @@
 //! B26: a build does not need much stack, however deep the tree.
 
+use bvh_build::build;
 use bvh_build::geometry::Bounds3;
-use bvh_build::{BuildConfig, SplitMethod, build};
 
 use crate::scenes::hard_cases;
+use crate::threads::configs;
 
 const STACK: usize = 64 << 10;
 
@@ -19,8 +20,8 @@ fn cases() -> Vec<Vec<Bounds3>> {
 
 fn build_all(cases: &[Vec<Bounds3>]) {
     for bounds in cases {
-        for method in SplitMethod::ALL {
-            let tree = build(bounds, &BuildConfig::new(method)).expect("valid");
+        for (_, config) in configs() {
+            let tree = build(bounds, &config).expect("valid");
             assert_eq!(tree.order().len(), bounds.len());
         }
     }

@@ -1,6 +1,13 @@
 //! The same bytes on any number of threads.
 
-use bvh_build::{NodeKind, Tree};
+use bvh_build::{BuildConfig, NodeKind, SplitAxes, SplitMethod, Tree};
+
+/// Each method, and what else there is to choose.
+pub(crate) fn configs() -> Vec<(&'static str, BuildConfig)> {
+    let mut configs: Vec<_> = SplitMethod::ALL.map(|method| (method.name(), BuildConfig::new(method))).into();
+    configs.push(("all axes", BuildConfig::default().with_axes(SplitAxes::All).with_buckets(32)));
+    configs
+}
 
 /// All of a tree's nodes and its order as words.
 pub(crate) fn bits(tree: &Tree) -> Vec<u32> {
@@ -19,18 +26,17 @@ pub(crate) fn bits(tree: &Tree) -> Vec<u32> {
 #[cfg(feature = "parallel")]
 #[test]
 fn threads_change_nothing() {
-    use bvh_build::{BuildConfig, SplitMethod, build};
+    use bvh_build::build;
 
     let pools = [1, 2, 5].map(|n| rayon::ThreadPoolBuilder::new().num_threads(n).build().expect("threads can start"));
     let mut cases = crate::scenes::hard_cases();
     // Large enough for every pass that is done in parallel.
     cases.push(("uniform, large".to_owned(), crate::scenes::uniform(140_000, 1)));
     for (name, bounds) in cases {
-        for method in SplitMethod::ALL {
-            let config = BuildConfig::new(method);
+        for (method, config) in configs() {
             let [one, two, five] =
                 pools.each_ref().map(|pool| bits(&pool.install(|| build(&bounds, &config).expect("valid"))));
-            assert!(one == two && one == five, "{name}, {}", method.name());
+            assert!(one == two && one == five, "{name}, {method}");
         }
     }
 }
@@ -39,7 +45,7 @@ fn threads_change_nothing() {
 /// change of these numbers changes every stored tree; where it is meant, write the new ones here.
 #[test]
 fn the_bytes_of_a_tree_are_known() {
-    use bvh_build::{BuildConfig, SplitMethod, build};
+    use bvh_build::build;
 
     let bounds = crate::scenes::uniform(10_000, 1);
     let digests = SplitMethod::ALL.map(|method| {

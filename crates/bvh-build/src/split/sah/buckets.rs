@@ -1,6 +1,6 @@
-//! Buckets: primitives in twelve heaps.
+//! Buckets: primitives in a few heaps along one axis.
 
-use super::{BUCKET_COUNT, Boundary, Projection};
+use super::{Boundary, Projection};
 use crate::parallel::join;
 use crate::prim_info::{Extent, PrimInfo};
 
@@ -24,11 +24,12 @@ impl Bucket {
     }
 }
 
-pub(super) struct Buckets([Bucket; BUCKET_COUNT]);
+/// As many as the projection has, at most `CAPACITY`; those behind stay empty.
+pub(super) struct Buckets<const CAPACITY: usize>([Bucket; CAPACITY]);
 
-impl Buckets {
+impl<const CAPACITY: usize> Buckets<CAPACITY> {
     pub(super) fn of(prims: &[PrimInfo], projection: Projection) -> Self {
-        let mut buckets = Self([Bucket::EMPTY; BUCKET_COUNT]);
+        let mut buckets = Self([Bucket::EMPTY; CAPACITY]);
         buckets.add(prims, projection);
         buckets
     }
@@ -45,7 +46,7 @@ impl Buckets {
             return;
         }
         for p in prims {
-            let bucket = &mut self.0[projection.bucket(p)];
+            let bucket = &mut self.0[projection.bucket(p) as usize];
             bucket.count += 1;
             bucket.extent = bucket.extent.with(p);
         }
@@ -54,7 +55,7 @@ impl Buckets {
     /// The boundary of least weight, of equals the first; [`Boundary::place`] counts buckets.
     pub(super) fn cheapest_boundary(&self) -> Boundary {
         // The weight of all from each bucket on in one sweep back, and of all before it in another one forth.
-        let mut behind = [0.0; BUCKET_COUNT];
+        let mut behind = [0.0; CAPACITY];
         let mut side = Bucket::EMPTY;
         for (behind, bucket) in behind.iter_mut().zip(&self.0).rev() {
             side = side.union(bucket);

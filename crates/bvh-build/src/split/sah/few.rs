@@ -1,13 +1,13 @@
 //! The buckets of a few primitives, which are sorted instead.
 
-use super::{BUCKET_COUNT, Boundary, Projection};
+use super::{Boundary, Projection};
 use crate::prim_info::{Bounds3A, PrimInfo};
 
-/// Sorts `prims`, at most [`BUCKET_COUNT`], by their buckets, and finds the boundary of least weight;
+/// Sorts `prims`, at most `CAPACITY`, by their buckets, and finds the boundary of least weight;
 /// [`Boundary::place`] counts primitives. The boundary is the same as that of the buckets: those
 /// between the same primitives cost the same.
-pub(super) fn cheapest_boundary(prims: &mut [PrimInfo], projection: Projection) -> Boundary {
-    let mut bucket = [0; BUCKET_COUNT];
+pub(super) fn cheapest_boundary<const CAPACITY: usize>(prims: &mut [PrimInfo], projection: Projection) -> Boundary {
+    let mut bucket = [0; CAPACITY];
     for i in 0..prims.len() {
         let (p, b) = (prims[i], projection.bucket(&prims[i]));
         let mut place = i;
@@ -18,7 +18,7 @@ pub(super) fn cheapest_boundary(prims: &mut [PrimInfo], projection: Projection) 
         }
         (bucket[place], prims[place]) = (b, p);
     }
-    let mut behind = [0.0; BUCKET_COUNT];
+    let mut behind = [0.0; CAPACITY];
     let mut side = Bounds3A::EMPTY;
     for (i, p) in prims.iter().enumerate().skip(1).rev() {
         side = side.union(&p.bounds());

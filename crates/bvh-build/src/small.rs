@@ -1,0 +1,165 @@
+//! Subtrees over a few primitives, by sweeps along all axes.
+
+use geometry::{Axis, Bounds3};
+
+use crate::prim_info::PrimInfo;
+use crate::recursive::Rules;
+use crate::split::sah::{Limit, MAX_SWEPT, Sorted};
+use crate::subtree::{interior, leaf};
+use crate::{Node, NodeKind};
+
+/// A part that is still to be split: a range of the sorted primitives.
+#[derive(Clone, Copy, Default)]
+struct Range {
+    begin: usize,
+    end: usize,
+    depth: u32,
+    /// The node whose second child it is.
+    parent: Option<(usize, Axis)>,
+}
+
+/// Appends the subtree of `prims`, at most [`MAX_SWEPT`], which begin at `first` in the order of all. Its root is at
+/// `depth`; the result is the depth of the deepest node. The tree is that of one sweep for each node, and the sorting is
+/// done once for all.
+#[inline(never)] // Its arrays are large.
+pub(crate) fn grow(prims: &mut [PrimInfo], first: usize, rules: &Rules, depth: u32, nodes: &mut Vec<Node>) -> u32 {
+    let mut sorted = Sorted::new(prims);
+    // A part of n primitives leaves at most one part pending for each level, and there are fewer than n levels.
+    let mut pending = [Range::default(); MAX_SWEPT];
+    let mut deepest = depth;
+    let mut count = 1;
+    pending[0] = Range { begin: 0, end: prims.len(), depth, parent: None };
+    while count > 0 {
+        count -= 1;
+        let Range { begin, end, depth, parent } = pending[count];
+        deepest = deepest.max(depth);
+        if let Some((parent, axis)) = parent {
+            nodes[parent].kind = NodeKind::Interior { axis, second_child: nodes.len() as u32 };
+        }
+        match choose(&mut sorted, prims, begin, end, rules, depth) {
+            Choice::Leaf(bounds) => nodes.push(leaf(bounds, first + begin, end - begin)),
+            Choice::Split(axis, middle) => {
+                sorted.part(axis, begin, middle, end);
+                let here = nodes.len();
+                nodes.push(interior(Bounds3::EMPTY, axis));
+                pending[count] = Range { begin: middle, end, depth: depth + 1, parent: Some((here, axis)) };
+                pending[count + 1] = Range { begin, end: middle, depth: depth + 1, parent: None };
+                count += 2;
+            }
+        }
+    }
+    sorted.permute(Axis::X, prims);
+    deepest
+}
+
+enum Choice {
+    Leaf(Bounds3),
+    Split(Axis, usize),
+}
+
+/// What becomes of the sorted primitives from `begin` to `end`, by the same rules as [`crate::split::split`].
+fn choose(sorted: &mut Sorted, prims: &[PrimInfo], begin: usize, end: usize, rules: &Rules, depth: u32) -> Choice {
+    let (count, config) = (end - begin, &rules.config);
+    let extent = sorted.extent(prims, begin, end);
+    let fits_a_leaf = count <= config.max_primitives_in_leaf as usize;
+    let is_free = rules.limit.allows_any_split(depth, count);
+    if count == 1 {
+        return Choice::Leaf(extent.bounds.to_bounds());
+    }
+    let is_weighed = is_free && extent.centroid_interval().is_some() && extent.bounds.surface_area() > 0.0;
+    if is_weighed {
+        let leaf_cost = if fits_a_leaf { f64::from(config.intersection_cost) * count as f64 } else { f64::INFINITY };
+        let limit = Limit::new(&extent, config, leaf_cost);
+        if let Some((axis, middle)) = sorted.cheapest_boundary(prims, begin, end, limit) {
+            return Choice::Split(axis, middle);
+        }
+    }
+    if fits_a_leaf {
+        return Choice::Leaf(extent.bounds.to_bounds());
+    }
+    let axis = extent.centroids2.to_bounds().dominant_axis();
+    sorted.break_ties(axis, prims, begin, end);
+    Choice::Split(axis, begin + count / 2)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::depth::MAX_DEPTH;
+    use crate::recursive::Group;
+    use crate::subtree::{Part, Step};
+    use crate::{BuildConfig, SplitAxes};
+    use geometry::glam::Vec3;
+
+    /// The same subtree with a sweep, and a sort, for each node.
+    fn naive(part: impl Part, depth: u32, nodes: &mut Vec<Node>) -> u32 {
+        let (first, count) = (part.first(), part.len());
+        match part.split(depth) {
+            Step::Leaf(bounds) => {
+                nodes.push(leaf(bounds, first, count));
+                depth
+            }
+            Step::Interior(axis, a, b) => {
+                let here = nodes.len();
+                nodes.push(interior(Bounds3::EMPTY, axis));
+                let deepest = naive(a, depth + 1, nodes);
+                nodes[here].kind = NodeKind::Interior { axis, second_child: nodes.len() as u32 };
+                deepest.max(naive(b, depth + 1, nodes))
+            }
+        }
+    }
+
+    /// Boxes with many equal coordinates, on a line, in a plane or in space, some without any extent.
+    fn boxes(n: usize, seed: u64) -> Vec<PrimInfo> {
+        let mut state = seed;
+        let mut random = |values: u64| {
+            state = state.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(1);
+            ((state >> 33) % values) as f32
+        };
+        let mask = Vec3::new(1.0, (seed % 2) as f32, (seed / 2 % 2) as f32);
+        let places = [1, 3, 10, 1000][seed as usize % 4];
+        let size = (seed / 4 % 3) as f32;
+        (0..n as u32)
+            .map(|i| {
+                let min = mask * Vec3::new(random(places), random(places), random(places));
+                let extent = size * Vec3::new(random(3), random(3), random(3));
+                PrimInfo::new(&Bounds3::new(min, min + extent), i)
+            })
+            .collect()
+    }
+
+    #[test]
+    fn the_subtree_is_that_of_a_sweep_for_each_node() {
+        let mut splits = 0;
+        for seed in 0..24 {
+            for n in (1..=20).chain([31, 32, 33, 63, 64]) {
+                for (leaf, limit) in [(1, MAX_DEPTH), (4, MAX_DEPTH), (1, 8), (2, 10)] {
+                    let config = BuildConfig::default()
+                        .with_max_primitives_in_leaf(leaf)
+                        .with_axes(SplitAxes::All)
+                        .with_buckets(MAX_SWEPT as u32);
+                    let rules = Rules::new(&config, limit);
+                    let (mut fast, mut slow) = (boxes(n, seed), boxes(n, seed));
+                    let [mut nodes, mut expected] = [vec![], vec![]];
+                    let deepest = grow(&mut fast, 7, &rules, 2, &mut nodes);
+                    let what = format!("{n} {seed} {leaf} {limit}");
+                    assert_eq!(deepest, naive(Group::new(&mut slow, 7, &rules), 2, &mut expected), "{what}");
+                    let kinds = |nodes: &[Node]| nodes.iter().map(|node| node.kind).collect::<Vec<_>>();
+                    assert_eq!(kinds(&nodes), kinds(&expected), "{what}");
+                    for node in &nodes {
+                        let NodeKind::Leaf { first, count } = node.kind else { continue };
+                        let range = first as usize - 7..(first + count) as usize - 7;
+                        let indices = |prims: &[PrimInfo]| {
+                            let mut indices: Vec<_> = prims[range.clone()].iter().map(|p| p.index).collect();
+                            indices.sort_unstable();
+                            indices
+                        };
+                        assert_eq!(indices(&fast), indices(&slow), "{what}");
+                    }
+                    splits += nodes.len() - 1;
+                }
+            }
+        }
+        assert!(splits > 10_000, "{splits}");
+    }
+}
