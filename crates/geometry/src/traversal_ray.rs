@@ -1,6 +1,6 @@
 //! A valid ray with what box and triangle tests need of it, computed once.
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec3, Vec4};
 
 use crate::{Bounds3, Interval, Ray};
 
@@ -22,11 +22,11 @@ pub struct TraversalRay {
     origin64: DVec3,
     direction64: DVec3,
     /// Reciprocals of the direction, shrunk towards zero and finite: for the planes through which the ray enters.
-    reciprocal_near: Vec3,
+    reciprocal_near: Vec4,
     /// Reciprocals of the direction, widened; infinite for a zero component: for the planes through which it leaves.
-    reciprocal_far: Vec3,
-    is_rounded: bool,
+    reciprocal_far: Vec4,
     pub(crate) shear: Shear,
+    is_rounded: bool,
 }
 
 /// Woop, Benthin and Wald 2013, *Watertight Ray/Triangle Intersection*, JCGT 2(1): the axes kx, ky, kz with kz that of the
@@ -64,18 +64,18 @@ impl TraversalRay {
 
     #[inline]
     fn prepare(ray: Ray, origin64: DVec3, direction64: DVec3, is_rounded: bool) -> Self {
-        let reciprocal = ray.direction.recip();
+        let reciprocal = ray.direction.extend(1.0).recip();
         // The near reciprocal of a zero (or denormal) component must stay finite: it then never over-estimates the
         // entry, where an infinite one would turn an origin in the plane into NaN.
-        let near = (reciprocal * (1.0 - PADDING)).clamp(Vec3::splat(-f32::MAX), Vec3::splat(f32::MAX));
+        let near = (reciprocal * (1.0 - PADDING)).min(Vec4::splat(f32::MAX)).max(Vec4::splat(-f32::MAX));
         Self {
             ray,
             origin64,
             direction64,
             reciprocal_near: near,
             reciprocal_far: reciprocal * (1.0 + PADDING),
-            is_rounded,
             shear: Shear::new(ray.direction),
+            is_rounded,
         }
     }
 
@@ -104,14 +104,14 @@ impl TraversalRay {
     /// finite.
     #[inline]
     pub fn reciprocal_near(&self) -> Vec3 {
-        self.reciprocal_near
+        self.reciprocal_near.truncate()
     }
 
     /// The reciprocals of the direction for the planes through which the ray leaves a box: larger in size by 6 ulp, and
     /// infinite for a component of zero.
     #[inline]
     pub fn reciprocal_far(&self) -> Vec3 {
-        self.reciprocal_far
+        self.reciprocal_far.truncate()
     }
 
     /// The shear that makes the ray an axis.
@@ -165,18 +165,20 @@ impl TraversalRay {
 /// Whether everything is finite and the direction is not zero.
 #[inline]
 fn is_valid(ray: &Ray) -> bool {
-    ray.origin.is_finite() & ray.direction.is_finite() & (ray.direction != Vec3::ZERO) & ray.time.is_finite()
+    let (o, d) = (ray.origin.extend(ray.time), ray.direction.extend(0.0));
+    o.is_finite() && d.is_finite() && d != Vec4::ZERO
 }
 
 impl Shear {
+    /// Without branches, which random directions would make the processor guess wrong.
     #[inline]
     fn new(direction: Vec3) -> Self {
-        // Without branches, which random directions would make the processor guess wrong.
         let d = direction.abs();
         let of_xy = if d.y > d.x { (d.y, 1) } else { (d.x, 0) };
         let kz = if d.z > of_xy.0 { 2 } else { of_xy.1 };
-        let (kx, ky) = ([1, 2, 0][kz], [2, 0, 1][kz]);
-        let d = direction.to_array();
+        // The axes after kz, two bits for each kz.
+        let (kx, ky) = (0b00_10_01 >> (2 * kz) & 3, 0b01_00_10 >> (2 * kz) & 3);
+        let d = direction.extend(1.0).to_array();
         Self { kx, ky, kz, sx: d[kx] / d[kz], sy: d[ky] / d[kz] }
     }
 }

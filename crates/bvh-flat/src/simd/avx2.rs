@@ -6,7 +6,7 @@
 use std::arch::x86_64::*;
 use std::mem::MaybeUninit;
 
-use super::{LANES, Lanes};
+use super::{LANES, LEAF_NUMBERS, Lanes};
 
 #[derive(Clone, Copy)]
 pub(super) struct Avx2;
@@ -15,7 +15,8 @@ pub(super) struct Avx2;
 macro_rules! op {
     ($e:expr) => {
         // SAFETY: the processor has the instructions (see above); those that access memory need no alignment, and do so
-        // through references to eight numbers, or eight from a place of at least eight that is kept within them.
+        // through references to eight numbers, or in `load_vertices` to 144, of which the last read
+        // is 1 + (3 · 2 + 3) · 15 + 7 = 143 at most.
         unsafe { $e }
     };
 }
@@ -57,9 +58,13 @@ impl Lanes for Avx2 {
         op!(_mm256_loadu_ps(x.as_ptr()))
     }
     #[inline(always)]
-    fn load_at<const N: usize>(x: &[f32; N], at: usize) -> __m256 {
-        const { assert!(N >= LANES) };
-        op!(_mm256_loadu_ps(x.as_ptr().add(at.min(N - LANES))))
+    fn load_vertices(leaf: &[f32; LEAF_NUMBERS], count: usize, axis: usize) -> [__m256; 3] {
+        let (count, axis) = (count & 15, axis & 3);
+        let at = 1 + axis * count;
+        op!({
+            let from = leaf.as_ptr().add(at);
+            [_mm256_loadu_ps(from), _mm256_loadu_ps(from.add(3 * count)), _mm256_loadu_ps(from.add(6 * count))]
+        })
     }
     #[inline(always)]
     fn load_u32(x: &[u32; LANES]) -> __m256i {

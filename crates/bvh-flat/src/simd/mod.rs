@@ -22,6 +22,12 @@ pub use width::SimdWidth;
 /// How many lanes there are.
 pub(crate) const LANES: usize = 8;
 
+/// How many numbers can be read from the beginning of a leaf.
+pub(crate) const LEAF_NUMBERS: usize = 144;
+
+// What `Lanes::load_vertices` reads.
+const _: () = assert!(1 + (3 * 2 + 3) * 15 + LANES <= LEAF_NUMBERS);
+
 /// Eight numbers of 32 bits and what can be done with them. Masks have a bit for each lane.
 ///
 /// All methods are compiled in place into the kernel that uses them, behind the boundary of [`SimdWidth::run`].
@@ -35,8 +41,9 @@ pub(crate) trait Lanes: Copy {
 
     fn splat(x: f32) -> Self::F32;
     fn load(x: &[f32; LANES]) -> Self::F32;
-    /// Eight numbers from place `at` on, or the last eight where there are fewer from there.
-    fn load_at<const N: usize>(x: &[f32; N], at: usize) -> Self::F32;
+    /// Of `count` triangles, as a leaf of a wide tree has them, one coordinate of the first, second and third vertices: the
+    /// numbers from 1 + (3 vertex + axis) count on. `count` is taken modulo 16 and `axis` modulo 4.
+    fn load_vertices(leaf: &[f32; LEAF_NUMBERS], count: usize, axis: usize) -> [Self::F32; 3];
     fn load_u32(x: &[u32; LANES]) -> Self::U32;
     fn to_array(x: Self::F32) -> [f32; LANES];
 

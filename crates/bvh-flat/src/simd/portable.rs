@@ -2,7 +2,7 @@
 
 use std::mem::MaybeUninit;
 
-use super::{LANES, Lanes};
+use super::{LANES, LEAF_NUMBERS, Lanes};
 
 #[derive(Clone, Copy)]
 pub(super) struct Portable;
@@ -43,9 +43,12 @@ impl Lanes for Portable {
         *x
     }
     #[inline(always)]
-    fn load_at<const N: usize>(x: &[f32; N], at: usize) -> F {
-        const { assert!(N >= LANES) };
-        std::array::from_fn(|i| x[at.min(N - LANES) + i])
+    fn load_vertices(leaf: &[f32; LEAF_NUMBERS], count: usize, axis: usize) -> [F; 3] {
+        let (count, axis) = (count & 15, axis & 3);
+        [0, 1, 2].map(|vertex| {
+            let at = 1 + (3 * vertex + axis) * count;
+            std::array::from_fn(|lane| leaf[at + lane])
+        })
     }
     #[inline(always)]
     fn load_u32(x: &[u32; LANES]) -> U {

@@ -2,7 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use crate::simd::LANES;
+use crate::simd::{LANES, LEAF_NUMBERS};
 
 /// A cache line.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
@@ -13,7 +13,7 @@ pub(crate) struct Line(pub(crate) [u32; 16]);
 pub(crate) const NODE_LINES: usize = 4;
 
 /// How many lines can be read from the first line of a leaf on, whatever its size: as many follow the last leaf.
-const LEAF_LINES: usize = 6;
+const LEAF_LINES: usize = LEAF_NUMBERS / 16;
 
 /// The most lines that references of 28 bits can name: 16 GiB.
 pub(crate) const MAX_LINES: usize = 1 << 28;
@@ -64,8 +64,8 @@ impl Child {
 /// A node as eight rows of eight lanes, one for each child:
 ///
 /// ```text
-/// row 0  1  2  3  4  5   6         7
-///     min x y z   max x y z   children   orders
+/// row 0    1    2    3    4    5    6         7
+///     min, max x   min, max y   min, max z   children   orders
 /// ```
 ///
 /// The box of a lane without a child is empty: min = +∞, max = −∞, which no ray enters. For each of the eight octants of
@@ -121,7 +121,7 @@ impl Arena {
 
     /// The numbers of a leaf from line `first` on, and what follows them.
     #[inline(always)]
-    pub(crate) fn leaf(&self, first: usize) -> &[f32; LEAF_LINES * 16] {
+    pub(crate) fn leaf(&self, first: usize) -> &[f32; LEAF_NUMBERS] {
         static NOTHING: [Line; LEAF_LINES] = [Line([0; 16]); LEAF_LINES];
         let lines: Option<&[Line; LEAF_LINES]> = self.lines.get(first..).and_then(|lines| lines.first_chunk());
         bytemuck::must_cast_ref(lines.unwrap_or(&NOTHING))

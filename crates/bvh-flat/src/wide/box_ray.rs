@@ -31,6 +31,7 @@ pub(crate) fn is_regular(ray: &TraversalRay) -> bool {
 pub(crate) struct BoxLanes<L: Lanes> {
     near: [L::F32; 3],
     far: [L::F32; 3],
+    /// The origin, or −q of the regular form.
     near_from: [L::F32; 3],
     far_from: [L::F32; 3],
     near_row: [usize; 3],
@@ -48,42 +49,41 @@ impl<L: Lanes> BoxLanes<L> {
     /// `REGULAR` must only be set for a ray that is.
     #[inline(always)]
     pub(crate) fn new<const REGULAR: bool>(ray: &TraversalRay, t_min: f32, t_max: f32) -> Self {
-        let (o, d) = (ray.ray().origin.to_array(), ray.ray().direction.to_array());
-        let (near, far) = (ray.reciprocal_near().to_array(), ray.reciprocal_far().to_array());
-        let zero = [L::splat(0.0); 3];
-        let mut new = Self {
-            near: zero,
-            far: zero,
-            near_from: zero,
-            far_from: zero,
-            near_row: [0; 3],
+        let (o, d) = (ray.ray().origin, ray.ray().direction.to_array());
+        let (near, far) = (ray.reciprocal_near(), ray.reciprocal_far());
+        // For entering and leaving, in one.
+        let r = L::load(&[near.x, near.y, near.z, 0.0, far.x, far.y, far.z, 0.0]);
+        let o = L::load(&[o.x, o.y, o.z, 0.0, o.x, o.y, o.z, 0.0]);
+        let from = if REGULAR && L::FUSED {
+            let q = L::mul(o, r);
+            let outward = L::load(&[-1.0, -1.0, -1.0, 0.0, 1.0, 1.0, 1.0, 0.0]);
+            let width = L::mul_add(L::abs(q), L::splat(2.0 * f32::EPSILON), L::splat(f32::MIN_POSITIVE));
+            L::to_array(L::mul_sub(width, outward, q))
+        } else if ray.is_rounded() {
+            let s = d.map(|d| 1.0_f32.copysign(d));
+            let outward = L::load(&[s[0], s[1], s[2], 0.0, -s[0], -s[1], -s[2], 0.0]);
+            let width = L::mul_add(L::abs(o), L::splat(2.0 * f32::EPSILON), L::splat(f32::MIN_POSITIVE));
+            L::to_array(L::mul_add(width, outward, o))
+        } else {
+            L::to_array(o)
+        };
+        let is_negative = d.map(|d| usize::from(d.is_sign_negative()));
+        Self {
+            near: [L::splat(near.x), L::splat(near.y), L::splat(near.z)],
+            far: [L::splat(far.x), L::splat(far.y), L::splat(far.z)],
+            near_from: [L::splat(from[0]), L::splat(from[1]), L::splat(from[2])],
+            far_from: [L::splat(from[4]), L::splat(from[5]), L::splat(from[6])],
+            near_row: [is_negative[0], 2 + is_negative[1], 4 + is_negative[2]],
             t_min: L::splat(t_min),
             t_max: L::splat(t_max.min(f32::MAX)),
-        };
-        let (four_u, tiny) = (L::splat(2.0 * f32::EPSILON), L::splat(f32::MIN_POSITIVE));
-        for i in 0..3 {
-            new.near[i] = L::splat(near[i]);
-            new.far[i] = L::splat(far[i]);
-            if REGULAR && L::FUSED {
-                let (q, p) = (L::mul(L::splat(o[i]), new.near[i]), L::mul(L::splat(o[i]), new.far[i]));
-                new.near_from[i] = L::add(q, L::mul_add(L::abs(q), four_u, tiny));
-                new.far_from[i] = L::sub(p, L::mul_add(L::abs(p), four_u, tiny));
-            } else {
-                let rounded = o[i].abs() * (2.0 * f32::EPSILON) + f32::MIN_POSITIVE;
-                let outward = if ray.is_rounded() { rounded.copysign(d[i]) } else { 0.0 };
-                new.near_from[i] = L::splat(o[i] + outward);
-                new.far_from[i] = L::splat(o[i] - outward);
-            }
-            new.near_row[i] = i + 3 * usize::from(d[i].is_sign_negative());
         }
-        new
     }
 
     /// The ray's octant: bit i is set where the direction's component i is negative.
     #[inline(always)]
     pub(crate) fn octant(&self) -> u32 {
         let [x, y, z] = self.near_row;
-        u32::from(x >= 3) | u32::from(y >= 3) << 1 | u32::from(z >= 3) << 2
+        (x & 1 | (y & 1) << 1 | (z & 1) << 2) as u32
     }
 
     #[inline(always)]
@@ -97,12 +97,11 @@ impl<L: Lanes> BoxLanes<L> {
         let mut near = [self.t_min; 3];
         let mut far = [self.t_max; 3];
         for i in 0..3 {
-            // Of the rows i and i + 3.
-            let (near_row, far_row) = (self.near_row[i] & 7, 2 * i + 3 - self.near_row[i] & 7);
+            let (near_row, far_row) = (self.near_row[i] & 7, (self.near_row[i] & 7) ^ 1);
             let (a, b) = (L::load(&planes[near_row]), L::load(&planes[far_row]));
             if REGULAR && L::FUSED {
-                near[i] = L::mul_sub(a, self.near[i], self.near_from[i]);
-                far[i] = L::mul_sub(b, self.far[i], self.far_from[i]);
+                near[i] = L::mul_add(a, self.near[i], self.near_from[i]);
+                far[i] = L::mul_add(b, self.far[i], self.far_from[i]);
             } else {
                 near[i] = L::mul(L::sub(a, self.near_from[i]), self.near[i]);
                 far[i] = L::mul(L::sub(b, self.far_from[i]), self.far[i]);

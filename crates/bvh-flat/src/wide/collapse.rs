@@ -200,8 +200,8 @@ fn node_lines(bounds: &[Bounds3], children: &[Option<Child>]) -> [Line; NODE_LIN
     for lane in 0..LANES {
         let b = bounds.get(lane).copied().unwrap_or(Bounds3 { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY });
         for axis in 0..3 {
-            rows[axis][lane] = b.min[axis].to_bits();
-            rows[axis + 3][lane] = b.max[axis].to_bits();
+            rows[2 * axis][lane] = b.min[axis].to_bits();
+            rows[2 * axis + 1][lane] = b.max[axis].to_bits();
         }
         rows[6][lane] = children.get(lane).copied().flatten().map_or(0, |child| child.0);
     }

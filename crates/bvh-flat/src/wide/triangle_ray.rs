@@ -2,7 +2,7 @@
 
 use geometry::TraversalRay;
 
-use crate::simd::{LANES, Lanes};
+use crate::simd::{LANES, LEAF_NUMBERS, Lanes};
 
 /// Half the spacing of f32 at 1.
 const U: f32 = f32::EPSILON / 2.0;
@@ -34,16 +34,16 @@ pub(crate) struct Candidates {
 impl TriangleRay {
     #[inline(always)]
     pub(crate) fn new(ray: &TraversalRay) -> Self {
-        let (shear, o, d) = (ray.shear(), ray.ray().origin.to_array(), ray.ray().direction.to_array());
-        let k = [shear.kx, shear.ky, shear.kz];
-        let largest = |o: [f32; 3]| o[0].abs().max(o[1].abs()).max(o[2].abs());
+        let (shear, o, d) = (ray.shear(), ray.ray().origin, ray.ray().direction);
+        let (o, d) = ([o.x, o.y, o.z, 0.0], [d.x, d.y, d.z, 1.0]);
+        let k = [shear.kx & 3, shear.ky & 3, shear.kz & 3];
         Self {
             k,
-            o: k.map(|k| o[k]),
+            o: [o[k[0]], o[k[1]], o[k[2]]],
             sx: shear.sx,
             sy: shear.sy,
-            rdz: 1.0 / d[shear.kz],
-            origin_error: if ray.is_rounded() { 20.0 * U * largest(o) } else { 0.0 },
+            rdz: 1.0 / d[k[2]],
+            origin_error: if ray.is_rounded() { 20.0 * U * o[0].abs().max(o[1].abs()).max(o[2].abs()) } else { 0.0 },
         }
     }
 
@@ -67,10 +67,13 @@ impl TriangleRay {
     ///
     /// The comparisons are written so that what overflows, and becomes NaN, is neither missed nor certain.
     #[inline(always)]
-    pub(crate) fn candidates<L: Lanes>(&self, leaf: &[f32; 96], count: usize, [t_min, t_max]: [f32; 2]) -> Option<Candidates> {
-        let (ax, ay, az) = self.sheared::<L>(leaf, count, 0);
-        let (bx, by, bz) = self.sheared::<L>(leaf, count, 1);
-        let (cx, cy, cz) = self.sheared::<L>(leaf, count, 2);
+    pub(crate) fn candidates<L: Lanes>(&self, leaf: &[f32; LEAF_NUMBERS], count: usize, [t_min, t_max]: [f32; 2]) -> Option<Candidates> {
+        let x = L::load_vertices(leaf, count, self.k[0]);
+        let y = L::load_vertices(leaf, count, self.k[1]);
+        let z = L::load_vertices(leaf, count, self.k[2]);
+        let (ax, ay, az) = self.shear::<L>(x[0], y[0], z[0]);
+        let (bx, by, bz) = self.shear::<L>(x[1], y[1], z[1]);
+        let (cx, cy, cz) = self.shear::<L>(x[2], y[2], z[2]);
         let e0 = L::mul_sub(cx, by, L::mul(cy, bx));
         let e1 = L::mul_sub(ax, cy, L::mul(ay, cx));
         let e2 = L::mul_sub(bx, ay, L::mul(by, ax));
@@ -113,20 +116,12 @@ impl TriangleRay {
         Some(Candidates { maybe, sure: sure & maybe, low: L::to_array(low), high: L::to_array(high) })
     }
 
-    /// The sheared coordinates of one vertex of each triangle. (A function and not a closure, which would be compiled on its
-    /// own, for no instruction set.)
+    /// The sheared coordinates of a vertex of each triangle.
     #[inline(always)]
-    fn sheared<L: Lanes>(&self, leaf: &[f32; 96], count: usize, vertex: usize) -> (L::F32, L::F32, L::F32) {
-        let [kx, ky, kz] = self.k;
-        let z = L::sub(load::<L>(leaf, count, vertex, kz), L::splat(self.o[2]));
-        let x = L::sub(load::<L>(leaf, count, vertex, kx), L::splat(self.o[0]));
-        let y = L::sub(load::<L>(leaf, count, vertex, ky), L::splat(self.o[1]));
+    fn shear<L: Lanes>(&self, x: L::F32, y: L::F32, z: L::F32) -> (L::F32, L::F32, L::F32) {
+        let z = L::sub(z, L::splat(self.o[2]));
+        let x = L::sub(x, L::splat(self.o[0]));
+        let y = L::sub(y, L::splat(self.o[1]));
         (L::neg_mul_add(L::splat(self.sx), z, x), L::neg_mul_add(L::splat(self.sy), z, y), z)
     }
-}
-
-/// A coordinate of one vertex of each triangle; what is loaded beyond `count` is masked later.
-#[inline(always)]
-fn load<L: Lanes>(leaf: &[f32; 96], count: usize, vertex: usize, axis: usize) -> L::F32 {
-    L::load_at(leaf, 1 + (3 * vertex + axis) * count)
 }

@@ -7,6 +7,7 @@ use geometry::glam::Vec3;
 
 use super::arena::{Arena, Child, Line};
 use super::collapse::LeafWriter;
+use crate::simd::LEAF_NUMBERS;
 
 /// Numbers of primitives are stored with this added: small ones, read as f32 by a load that begins in the numbers before
 /// them, would be denormal, which some processors are slow at.
@@ -51,7 +52,7 @@ fn largest_extent(v: &[Vec3; 3]) -> f32 {
 /// A triangle of a leaf.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TriangleLeaf<'a> {
-    numbers: &'a [f32; 96],
+    numbers: &'a [f32; LEAF_NUMBERS],
     count: usize,
 }
 
@@ -62,7 +63,7 @@ impl<'a> TriangleLeaf<'a> {
     }
 
     #[inline(always)]
-    pub(crate) fn numbers(&self) -> &'a [f32; 96] {
+    pub(crate) fn numbers(&self) -> &'a [f32; LEAF_NUMBERS] {
         self.numbers
     }
 
@@ -74,14 +75,18 @@ impl<'a> TriangleLeaf<'a> {
     /// The vertices of a triangle.
     #[inline(always)]
     pub(crate) fn vertices(&self, lane: usize) -> [Vec3; 3] {
-        let n = self.count;
-        let number = |i: usize| self.numbers[1 + i * n + lane];
-        [0, 3, 6].map(|i| Vec3::new(number(i), number(i + 1), number(i + 2)))
+        // At most 1 + 8 · 8 + 7; the mask tells the compiler so.
+        let number = |i: usize| self.numbers[(1 + i * self.count + lane) & 127];
+        [
+            Vec3::new(number(0), number(1), number(2)),
+            Vec3::new(number(3), number(4), number(5)),
+            Vec3::new(number(6), number(7), number(8)),
+        ]
     }
 
     /// The number of a triangle in its mesh.
     #[inline(always)]
     pub(crate) fn primitive(&self, lane: usize) -> u32 {
-        self.numbers[1 + 9 * self.count + lane].to_bits().wrapping_sub(BIAS)
+        self.numbers[(1 + 9 * self.count + lane) & 127].to_bits().wrapping_sub(BIAS)
     }
 }

@@ -41,14 +41,15 @@ impl ExactRay {
     /// is decided; but triangles outside of them may be decided wrongly.
     pub fn new(ray: &TraversalRay, bounds: &Bounds3) -> Self {
         let line = Line { origin: ray.origin64(), direction: ray.direction64() };
-        let frame = Frame::new(line.origin, line.direction);
+        let frame = Frame::new(ray);
         Self { line, frame, edge_error: frame.edge_error(bounds) }
     }
 
     /// Prepares a ray for triangles that another filter has left undecided, wherever they are.
+    #[inline]
     pub fn unfiltered(ray: &TraversalRay) -> Self {
         let line = Line { origin: ray.origin64(), direction: ray.direction64() };
-        Self { line, frame: Frame::new(line.origin, line.direction), edge_error: f64::INFINITY }
+        Self { line, frame: Frame::new(ray), edge_error: f64::INFINITY }
     }
 
     /// The enclosure of t* of a triangle that the ray is known to hit.
@@ -162,13 +163,14 @@ impl ExactRay {
     #[inline]
     pub fn values_of_hit(&self, vertices: &[Vec3; 3]) -> TriangleHit {
         let sheared = self.frame.shear(vertices);
-        match (sheared.t(self.frame.dz()), sheared.barycentrics()) {
+        match (sheared.t(self.frame.rdz()), sheared.barycentrics()) {
             (Some(t), Some(b)) => TriangleHit { t, u: unit_f32(b[0]), v: unit_f32(b[1]) },
             _ => self.values_of_difficult_hit(vertices),
         }
     }
 
     #[cold]
+    #[inline(never)]
     fn values_of_difficult_hit(&self, vertices: &[Vec3; 3]) -> TriangleHit {
         self.values(vertices, &self.enclose(vertices), &mut ())
     }

@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec3};
 
-use crate::Bounds3;
+use crate::{Bounds3, Shear, TraversalRay};
 
 /// Half the spacing of f64 at 1: the relative error of one rounding.
 const U: f64 = f64::EPSILON / 2.0;
@@ -14,8 +14,11 @@ const U: f64 = f64::EPSILON / 2.0;
 /// that is below 2¹²⁸.
 const TINY: f64 = f64::from_bits((1023 - 700) << 52);
 
+/// 2⁻³⁵⁰: the reciprocal of a larger sum, and products with it, are far from the ends of f64.
+const LEAST_SUM: f64 = f64::from_bits((1023 - 350) << 52);
+
 /// The frame in which the ray is the z axis: that of Woop, Benthin and Wald 2013 in f64, with kz the axis of the largest
-/// component of the direction, so that |Sx| and |Sy| are at most 1.
+/// component of the direction in f32, so that |Sx| and |Sy| are at most 1, up to the rounding of a direction.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Frame {
     kx: usize,
@@ -25,14 +28,14 @@ pub(super) struct Frame {
     origin: [f64; 3],
     sx: f64,
     sy: f64,
-    /// The largest component of the direction.
-    dz: f64,
+    /// One over the largest component of the direction.
+    rdz: f64,
 }
 
 /// A triangle in the frame of a ray.
 ///
 /// *Errors*, with u = 2⁻⁵³ and to first order; the factors below leave a quarter and more for the rest, the roundings of
-/// the bounds included. A coordinate x = pₓ − Sₓ p_z is wrong by δ <= 2u |pₓ| + 4u |Sₓ p_z|: one rounding in each p, one
+/// the bounds included. A coordinate x = pₓ − Sₓ p_z is wrong by δ <= 2u |pₓ| + 5u |Sₓ p_z|: one rounding in each p, two
 /// in Sₓ, one in the product, one in the difference. An edge function e = x_c y_b − y_c x_b is then wrong by
 /// E <= 2δ (X + Y + δ) + 4u X Y, where X and Y bound the coordinates.
 #[derive(Clone, Copy, Debug)]
@@ -47,25 +50,23 @@ pub(super) struct Sheared {
 
 impl Frame {
     #[inline]
-    pub(super) fn new(origin: DVec3, direction: DVec3) -> Self {
-        // Without branches, as in `Shear`.
-        let d = direction.abs();
-        let of_xy = if d.y > d.x { (d.y, 1) } else { (d.x, 0) };
-        let kz = if d.z > of_xy.0 { 2 } else { of_xy.1 };
-        let (kx, ky) = ([1, 2, 0][kz], [2, 0, 1][kz]);
-        let (origin, d) = (origin.to_array(), direction.to_array());
-        let dz = d[kz];
-        Self { kx, ky, kz, origin: [origin[kx], origin[ky], origin[kz]], sx: d[kx] / dz, sy: d[ky] / dz, dz }
+    pub(super) fn new(ray: &TraversalRay) -> Self {
+        let Shear { kx, ky, kz, .. } = ray.shear();
+        let (o, d) = (ray.origin64(), ray.direction64());
+        let (o, d) = ([o.x, o.y, o.z, 0.0], [d.x, d.y, d.z, 1.0]);
+        let rdz = 1.0 / d[kz & 3];
+        let origin = [o[kx & 3], o[ky & 3], o[kz & 3]];
+        Self { kx, ky, kz, origin, sx: d[kx & 3] * rdz, sy: d[ky & 3] * rdz, rdz }
     }
 
-    /// The largest component of the direction.
+    /// One over the largest component of the direction.
     #[inline]
-    pub(super) fn dz(&self) -> f64 {
-        self.dz
+    pub(super) fn rdz(&self) -> f64 {
+        self.rdz
     }
 
     /// A bound on the error of the edge functions of every triangle inside of `bounds`: with M the largest coordinate
-    /// relative to the origin, δ <= 6u M and X, Y <= 2M give 64 u M² to first order. Doubled. Infinite for bounds that are
+    /// relative to the origin, δ <= 7u M and X, Y <= 2M give 72 u M² to first order; 128 is for the rest. Infinite for bounds that are
     /// empty.
     pub(super) fn edge_error(&self, bounds: &Bounds3) -> f64 {
         let [kx, ky, kz] = [self.kx, self.ky, self.kz];
@@ -79,16 +80,22 @@ impl Frame {
     pub(super) fn shear(&self, vertices: &[Vec3; 3]) -> Sheared {
         let mut sheared = Sheared { x: [0.0; 3], y: [0.0; 3], z: [0.0; 3], edges: [0.0; 3] };
         for (i, v) in vertices.iter().enumerate() {
-            let v: &[f32; 3] = v.as_ref();
-            let z = f64::from(v[self.kz]) - self.origin[2];
-            sheared.x[i] = f64::from(v[self.kx]) - self.origin[0] - self.sx * z;
-            sheared.y[i] = f64::from(v[self.ky]) - self.origin[1] - self.sy * z;
+            let v = [v.x, v.y, v.z, 0.0];
+            let z = f64::from(v[self.kz & 3]) - self.origin[2];
+            sheared.x[i] = f64::from(v[self.kx & 3]) - self.origin[0] - self.sx * z;
+            sheared.y[i] = f64::from(v[self.ky & 3]) - self.origin[1] - self.sy * z;
             sheared.z[i] = z;
         }
         let (x, y) = (&sheared.x, &sheared.y);
         sheared.edges = [x[2] * y[1] - y[2] * x[1], x[0] * y[2] - y[0] * x[2], x[1] * y[0] - y[1] * x[0]];
         sheared
     }
+}
+
+/// The larger of two numbers, neither of them NaN.
+#[inline]
+fn larger(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
 }
 
 impl Sheared {
@@ -102,40 +109,42 @@ impl Sheared {
     }
 
     /// A bound on the errors of these edge functions: with R >= X, Y and Z bounding the coordinates,
-    /// |pₓ| <= R + Z and so δ <= 2u R + 6u Z, here 8u (R + Z); and E <= δ (4.5 R + 2δ), here 5 δ (R + δ).
+    /// |pₓ| <= R + Z and so δ <= 2u R + 7u Z, here 8u (R + Z); and E <= δ (4.5 R + 2δ), here 5 δ (R + δ).
     pub(super) fn edge_error(&self) -> f64 {
-        let largest = |values: &[f64; 3], least: f64| values.iter().fold(least, |m: f64, x| m.max(x.abs()));
-        let r = largest(&self.x, largest(&self.y, 0.0));
-        let delta = 8.0 * U * (r + largest(&self.z, 0.0));
+        let largest = |v: &[f64; 3]| larger(larger(v[0].abs(), v[1].abs()), v[2].abs());
+        let (r, z) = (larger(largest(&self.x), largest(&self.y)), largest(&self.z));
+        let delta = 8.0 * U * (r + z);
         5.0 * delta * (r + delta) + TINY
     }
 
     /// The barycentrics eᵢ / Σe of the second and the third vertex, where they are certain within 2⁻²⁴.
     ///
-    /// Each is wrong by (E + 3E |bᵢ|) / (Σe − 3E) at most, 4E / Σe to first order, and by three roundings. (A bound that
+    /// Each is wrong by (E + 3E |bᵢ|) / (Σe − 3E) at most, 4E / Σe to first order, and by four roundings. (A bound that
     /// rounding to f32 would hide, 2⁻²⁸, was too much: it sent every triangle 10⁵ times its size away to exact numbers.)
+    #[inline]
     pub(super) fn barycentrics(&self) -> Option<[f64; 2]> {
         let [e0, e1, e2] = self.edges;
         let sum = e0 + e1 + e2;
-        (sum.abs() >= 2.0_f64.powi(26) * self.edge_error()).then(|| [e1 / sum, e2 / sum])
+        let r = 1.0 / sum;
+        (sum.abs() >= 2.0_f64.powi(26) * self.edge_error()).then(|| [e1 * r, e2 * r])
     }
 
-    /// t* of a hit rounded to the nearest f32, where that is certain: Σ eᵢ zᵢ / (Σe d_z).
+    /// t* of a hit rounded to the nearest f32, where that is certain: Σ eᵢ zᵢ / Σe / d_z.
     ///
     /// A mean of the depths Z, whose weights are wrong by 6E / (|Σe| − 3E) together, here 8E / |Σe|. The roundings: one in
-    /// each z, three in the sum of products and two in Σe, of which all terms have one sign but for what E covers; a product
-    /// and a quotient. Here 16u Z.
+    /// each z, three in the sum of products and two in Σe, of which all terms have one sign but for what E covers; two
+    /// reciprocals, two products. Here 16u Z.
     #[inline]
-    pub(super) fn t(&self, dz: f64) -> Option<f32> {
+    pub(super) fn t(&self, rdz: f64) -> Option<f32> {
         let ([e0, e1, e2], [z0, z1, z2]) = (self.edges, self.z);
         let sum = e0 + e1 + e2;
-        let r = 1.0 / (sum * dz);
-        let t = (e0 * z0 + e1 * z1 + e2 * z2) * r;
-        let size = z0.abs().max(z1.abs()).max(z2.abs());
-        let error = size * (8.0 * self.edge_error() * r.abs() + 16.0 * U / dz.abs());
+        let r = 1.0 / sum;
+        let t = (e0 * z0 + e1 * z1 + e2 * z2) * r * rdz;
+        let size = larger(larger(z0.abs(), z1.abs()), z2.abs());
+        let error = (size * rdz.abs()) * (8.0 * self.edge_error() * r.abs() + 16.0 * U);
         let (low, high) = ((t - error) as f32, (t + error) as f32);
         // What may underflow or overflow is left to others.
-        let is_certain = low == high && low >= f32::MIN_POSITIVE && high < f32::MAX && sum.abs() >= TINY.sqrt();
+        let is_certain = (low == high) & (low >= f32::MIN_POSITIVE) & (high < f32::MAX) & (sum.abs() >= LEAST_SUM);
         is_certain.then_some(low)
     }
 }
