@@ -120,6 +120,25 @@ impl Lanes for Avx512 {
         op!(u32::from(_mm256_cmple_epi32_mask(_mm256_castps_si256(a), _mm256_castps_si256(b))))
     }
     #[inline(always)]
+    fn least_met(a: __m256, _b: __m256, met: u32) -> usize {
+        op!({
+            let key = _mm256_or_si256(_mm256_andnot_si256(_mm256_set1_epi32(7), _mm256_castps_si256(a)), _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7));
+            let key = _mm256_mask_mov_epi32(_mm256_set1_epi32(-1), met as u8, key);
+            let least = _mm_min_epu32(_mm256_castsi256_si128(key), _mm256_extracti128_si256::<1>(key));
+            let least = _mm_min_epu32(least, _mm_shuffle_epi32::<0b01_00_11_10>(least));
+            let least = _mm_min_epu32(least, _mm_shuffle_epi32::<0b10_11_00_01>(least));
+            (_mm_cvtsi128_si32(least) & 7) as usize
+        })
+    }
+    #[inline(always)]
+    fn splat_u32(x: u32) -> __m256i {
+        op!(_mm256_set1_epi32(x as i32))
+    }
+    #[inline(always)]
+    fn eq_u32(a: __m256i, b: __m256i) -> u32 {
+        op!(u32::from(_mm256_cmpeq_epi32_mask(a, b)))
+    }
+    #[inline(always)]
     fn permute(x: __m256, order: __m256i, shift: u32) -> __m256 {
         op!(_mm256_permutevar8x32_ps(x, _mm256_srl_epi32(order, _mm_cvtsi32_si128(shift as i32))))
     }

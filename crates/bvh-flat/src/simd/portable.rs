@@ -123,6 +123,24 @@ impl Lanes for Portable {
         Self::le(a, b)
     }
     #[inline(always)]
+    fn least_met(a: F, _b: F, met: u32) -> usize {
+        let mut least = (f32::INFINITY, 0);
+        for i in 0..LANES {
+            if met >> i & 1 == 1 && a[i] < least.0 {
+                least = (a[i], i);
+            }
+        }
+        least.1
+    }
+    #[inline(always)]
+    fn splat_u32(x: u32) -> U {
+        [x; LANES]
+    }
+    #[inline(always)]
+    fn eq_u32(a: U, b: U) -> u32 {
+        (0..LANES).fold(0, |m, i| m | u32::from(a[i] == b[i]) << i)
+    }
+    #[inline(always)]
     fn permute(x: F, order: U, shift: u32) -> F {
         order.map(|o| x[(o >> shift & 7) as usize])
     }

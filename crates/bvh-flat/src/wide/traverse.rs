@@ -81,11 +81,26 @@ impl<Q: Query> Traversal<'_, Q> {
                 } else {
                     let children = L::load_u32(node.children());
                     let has_room = if Q::ORDERED {
+                        let rest = met & (met - 1);
+                        if rest & (rest - 1) == 0 {
+                            let nearest = L::least_met(slabs.entry, slabs.exit, met);
+                            let has_room = stack.push::<L>(children, slabs.entry, met & !(1 << nearest));
+                            next = Child(node.children()[nearest & 7]);
+                            if has_room {
+                                continue;
+                            }
+                            return;
+                        }
+                        let nearest = L::least_met(slabs.entry, slabs.exit, met);
+                        next = Child(node.children()[nearest & 7]);
                         let orders = L::load_u32(node.orders());
                         let entry = L::permute(slabs.entry, orders, shift);
                         let exit = L::permute(slabs.exit, orders, shift);
+                        let permuted = L::permute_u32(children, orders, shift);
                         let met = if REGULAR { L::le_or_negative(entry, exit) } else { L::le(entry, exit) };
-                        stack.push::<L>(L::permute_u32(children, orders, shift), entry, met)
+                        let met = met & !L::eq_u32(permuted, L::splat_u32(next.0));
+                        if stack.push::<L>(permuted, entry, met) { continue; } 
+                        false
                     } else {
                         stack.push::<L>(children, slabs.entry, met)
                     };
