@@ -83,7 +83,7 @@ struct Common<'a> {
 impl<'a> Common<'a> {
     #[inline(always)]
     fn candidates<L: Lanes>(&self, leaf: Child, t_max: f32) -> Option<(TriangleLeaf<'a>, Candidates)> {
-        let leaf = TriangleLeaf::new(&self.tree.arena, leaf);
+        let leaf = TriangleLeaf::new(&self.tree.arena, leaf)?;
         Some((leaf, self.triangles.candidates::<L>(leaf.numbers(), leaf.count(), [self.interval.t_min(), t_max])?))
     }
 
@@ -148,13 +148,13 @@ impl ClosestQuery<'_> {
     #[inline(never)]
     fn decide(&mut self, leaf: Child, lane: usize) {
         let arena = &self.common.tree.arena;
-        let triangle = TriangleLeaf::new(arena, leaf);
+        let Some(triangle) = TriangleLeaf::new(arena, leaf) else { return };
         let vertices = triangle.vertices(lane);
         let interval = self.common.interval;
         let exact = *self.common.exact();
         let Some(enclosure) = exact.intersect_triangle(&vertices, interval, &mut ()) else { return };
         if let Some(best) = &mut self.closest {
-            let best_triangle = TriangleLeaf::new(arena, best.leaf);
+            let Some(best_triangle) = TriangleLeaf::new(arena, best.leaf) else { return };
             let best_vertices = best_triangle.vertices(best.lane);
             let best_enclosure = best.enclosure.get_or_insert_with(|| exact.enclose(&best_vertices));
             let order = exact.compare((&enclosure, &vertices), (best_enclosure, &best_vertices), &mut ());
@@ -174,7 +174,7 @@ impl ClosestQuery<'_> {
 
     fn hit(mut self) -> Option<Hit> {
         let found = self.closest?;
-        let triangle = TriangleLeaf::new(&self.common.tree.arena, found.leaf);
+        let triangle = TriangleLeaf::new(&self.common.tree.arena, found.leaf)?;
         let vertices = triangle.vertices(found.lane);
         let exact = self.common.exact();
         let TriangleHit { t, u, v } = exact.values_of_hit(&vertices);
@@ -213,7 +213,8 @@ impl AnyQuery<'_> {
     #[cold]
     #[inline(never)]
     fn decide(&mut self, leaf: Child, lane: usize) -> bool {
-        let vertices = TriangleLeaf::new(&self.common.tree.arena, leaf).vertices(lane);
+        let Some(triangle) = TriangleLeaf::new(&self.common.tree.arena, leaf) else { return false };
+        let vertices = triangle.vertices(lane);
         let interval = self.common.interval;
         self.common.exact().intersect_triangle(&vertices, interval, &mut ()).is_some()
     }
@@ -246,7 +247,7 @@ impl Query for AllQuery<'_, '_> {
 
 impl AllQuery<'_, '_> {
     fn tell(&mut self, leaf: Child, mut maybe: u32) {
-        let triangle = TriangleLeaf::new(&self.common.tree.arena, leaf);
+        let Some(triangle) = TriangleLeaf::new(&self.common.tree.arena, leaf) else { return };
         while maybe != 0 {
             let lane = maybe.trailing_zeros() as usize & 7;
             maybe &= maybe - 1;

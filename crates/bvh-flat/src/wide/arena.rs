@@ -111,26 +111,20 @@ impl Arena {
         Self { lines }
     }
 
-    /// The node from line `first` on; the first lines where there is none, which a tree's own references never name.
+    /// The node from line `first` on; `None` where there is none, which a tree's own references never name.
+    ///
+    /// (An option, and not some node in place of it: a branch that is never taken costs nothing, where a conditional move
+    /// would wait for the reference and make the next load wait for it.)
     #[inline(always)]
-    pub(crate) fn node(&self, first: usize) -> Node<'_> {
-        static NOTHING: [Line; NODE_LINES] = [Line([0; 16]); NODE_LINES];
-        let lines = self.lines.get(first..).and_then(|lines| lines.first_chunk());
-        Node(lines.unwrap_or(&NOTHING))
+    pub(crate) fn node(&self, first: usize) -> Option<Node<'_>> {
+        Some(Node(self.lines.get(first..)?.first_chunk()?))
     }
 
-    /// The numbers of a leaf from line `first` on, and what follows them.
+    /// The numbers of a leaf from line `first` on, and what follows them; `None` as for [`node`](Self::node).
     #[inline(always)]
-    pub(crate) fn leaf(&self, first: usize) -> &[f32; LEAF_NUMBERS] {
-        static NOTHING: [Line; LEAF_LINES] = [Line([0; 16]); LEAF_LINES];
-        let lines: Option<&[Line; LEAF_LINES]> = self.lines.get(first..).and_then(|lines| lines.first_chunk());
-        bytemuck::must_cast_ref(lines.unwrap_or(&NOTHING))
-    }
-
-    /// The line at `i`, for a prefetch.
-    #[inline(always)]
-    pub(crate) fn line(&self, i: usize) -> Option<&Line> {
-        self.lines.get(i)
+    pub(crate) fn leaf(&self, first: usize) -> Option<&[f32; LEAF_NUMBERS]> {
+        let lines: &[Line; LEAF_LINES] = self.lines.get(first..)?.first_chunk()?;
+        Some(bytemuck::must_cast_ref(lines))
     }
 
     /// Its memory in bytes.

@@ -26,7 +26,7 @@ pub(crate) trait LeafWriter {
 
 /// The costs of a step, in any one unit: to test the eight boxes of a node, and the primitives of a leaf.
 const NODE_COST: f64 = 1.0;
-const LEAF_COST: f64 = 1.0;
+const LEAF_COST: f64 = 1.5;
 /// A leaf's further cost for each of its primitives, so that of equal trees the one that tests less wins.
 const PRIMITIVE_COST: f64 = 0.1;
 

@@ -69,7 +69,7 @@ impl<Q: Query> Traversal<'_, Q> {
                 }
             } else {
                 query.node();
-                let node = arena.node(next.line());
+                let Some(node) = arena.node(next.line()) else { return };
                 let slabs = lanes.slabs::<REGULAR>(node);
                 let met = slabs.met::<REGULAR>();
                 // One child or none, most often.

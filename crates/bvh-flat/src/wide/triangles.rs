@@ -58,8 +58,8 @@ pub(crate) struct TriangleLeaf<'a> {
 
 impl<'a> TriangleLeaf<'a> {
     #[inline(always)]
-    pub(crate) fn new(arena: &'a Arena, leaf: Child) -> Self {
-        Self { numbers: arena.leaf(leaf.place()), count: leaf.count() }
+    pub(crate) fn new(arena: &'a Arena, leaf: Child) -> Option<Self> {
+        Some(Self { numbers: arena.leaf(leaf.place())?, count: leaf.count() })
     }
 
     #[inline(always)]
