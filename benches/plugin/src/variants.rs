@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use bvh_flat::geometry::{Interval, Ray as GeometryRay, Shape, TraversalRay, TriangleMesh};
+use bvh_flat::bvh_build::SplitAxes;
 use bvh_flat::{BuildConfig, MeshBvh, WideMesh};
 
 use crate::{Hit, Ray};
@@ -29,7 +30,7 @@ pub const VARIANTS: &[(&str, Build)] = &[
         one_by_one(bvh.memory(), bvh)
     }),
     ("ours watertight", |mesh| {
-        let bvh = binary(mesh, BuildConfig::default().with_max_primitives_in_leaf(1));
+        let bvh = binary(mesh, balanced());
         let wide = WideMesh::new(&bvh).expect("small enough");
         one_by_one(wide.memory(), wide)
     }),
@@ -40,6 +41,11 @@ pub const VARIANTS: &[(&str, Build)] = &[
         one_by_one(bvh.memory() + own_vertices, bvh.exact())
     }),
 ];
+
+/// Splits along all axes, and leaves for the collapse to make.
+fn balanced() -> BuildConfig {
+    BuildConfig::default().with_max_primitives_in_leaf(1).with_axes(SplitAxes::All).with_buckets(32)
+}
 
 fn binary(mesh: &Arc<TriangleMesh>, config: BuildConfig) -> MeshBvh {
     MeshBvh::build(Arc::clone(mesh), &config).expect("the configuration is valid")
