@@ -18,6 +18,7 @@ mod ply;
 mod procedural;
 mod rays;
 mod scene;
+mod spelling;
 mod stl;
 
 pub use camera::{Camera, CameraError, CameraView};

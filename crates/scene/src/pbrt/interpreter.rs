@@ -9,10 +9,10 @@ use super::blocks::Block;
 use super::camera::set_camera;
 use super::files::resolve;
 use super::parameters::Parameters;
-use super::spelling::did_you_mean;
 use super::state::{GraphicsState, TransformSet};
 use super::tokens::{Here, Token, Tokens, text};
 use super::world::World;
+use crate::spelling::did_you_mean;
 use crate::{LoadError, Scene};
 
 /// Directives that are carried out.

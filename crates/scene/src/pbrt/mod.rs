@@ -19,7 +19,6 @@
 //! world        shapes, objects, and the tables of names
 //! shapes       Shape
 //! camera       Camera
-//! spelling     the nearest known names, for errors
 //! ```
 
 mod blocks;
@@ -28,7 +27,6 @@ mod files;
 mod interpreter;
 mod parameters;
 mod shapes;
-mod spelling;
 mod state;
 #[cfg(test)]
 mod tests;

@@ -7,9 +7,9 @@ use primitive::{AreaLightId, MaterialId, MediumId, MediumInterface, Placement, S
 
 use super::parameters::Parameters;
 use super::shapes::{self, ObjectShape};
-use super::spelling::did_you_mean;
 use super::state::{Entries, Entry, GraphicsState};
 use super::tokens::{Here, text};
+use crate::spelling::did_you_mean;
 use crate::{Camera, Geometry, LoadError, ObjectId, Scene, SceneBuilder, SceneError};
 
 /// No more warnings than these: a file can be wrong in any number of ways.
