@@ -21,7 +21,7 @@ mod scene;
 mod spelling;
 mod stl;
 
-pub use camera::{Camera, CameraError, CameraView};
+pub use camera::{Camera, CameraError, CameraSettings, CameraView};
 pub use compile::{CompiledScene, ObjectAggregate, PrimitiveName, ScenePrimitive};
 pub use load::{LoadError, Place, load};
 pub use procedural::{BuiltIn, BuiltInError, MAX_TRIANGLES, meshes};

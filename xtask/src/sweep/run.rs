@@ -100,7 +100,7 @@ pub fn sweep(arguments: &Arguments, source: &SceneSource, pool: &rayon::ThreadPo
 
     let Some(first) = compiled.first() else { bail!("no split method is left to measure") };
     bar.set_message("aim rays");
-    let camera = input::camera(first, None)?;
+    let camera = input::camera(first);
     let bounds = first.world().world_bound();
     let sets = RaySets::generate(first.world(), &bounds, &camera, arguments.rays as usize, SEED)?;
     bar.set_message("ask the oracle");

@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-/// Why a camera makes no image, or a text no camera.
+/// Why a camera makes no image, or a text no settings of one.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum CameraError {

@@ -1,12 +1,14 @@
 //! Pinhole cameras.
 
 mod error;
+mod settings;
 mod view;
 
 use geometry::glam::{DVec3, Vec3};
 use geometry::{Bounds3, Transform};
 
 pub use self::error::CameraError;
+pub use self::settings::CameraSettings;
 pub use self::view::CameraView;
 
 /// A pinhole camera, as plain data. [`view`](Self::view) checks it and makes its rays.
@@ -57,44 +59,14 @@ impl Camera {
         Self { eye: eye.as_vec3().to_array(), look: center.as_vec3().to_array(), fov: fov as f32, ..Self::default() }
     }
 
-    /// This camera with the settings that `text` names, checked: `eye=1,2,3 look=0,0,0 up=0,1,0 fov=45 shutter=0,1
-    /// hand=left`, or any of these, separated by spaces or semicolons.
+    /// This camera with `settings` in place of its own, checked.
     ///
     /// # Errors
-    /// [`CameraError`], naming the part of the text that cannot be read, or what of the result makes no sense.
-    pub fn with_settings(mut self, text: &str) -> Result<Self, CameraError> {
-        let mut seen = Vec::new();
-        for part in text.split(|c: char| c == ';' || c.is_whitespace()).filter(|part| !part.is_empty()) {
-            let (name, value) = part.split_once('=').ok_or_else(|| CameraError::NotASetting(part.to_owned()))?;
-            let setting = match name {
-                "eye" => vector("eye", value, &mut self.eye)?,
-                "look" => vector("look", value, &mut self.look)?,
-                "up" => vector("up", value, &mut self.up)?,
-                "fov" => {
-                    self.fov = numbers::<1>("fov", "one number", value)?[0];
-                    "fov"
-                }
-                "shutter" => {
-                    self.shutter = numbers("shutter", "two numbers, open,close", value)?;
-                    "shutter"
-                }
-                "hand" => {
-                    self.left_handed = match value {
-                        "left" => true,
-                        "right" => false,
-                        _ => return Err(value_error("hand", "left or right", value)),
-                    };
-                    "hand"
-                }
-                _ => return Err(CameraError::UnknownSetting(name.to_owned())),
-            };
-            if seen.contains(&setting) {
-                return Err(CameraError::Repeated(setting));
-            }
-            seen.push(setting);
-        }
-        self.axes()?;
-        Ok(self)
+    /// [`CameraError`] where the result makes no image: see [`view`](Self::view).
+    pub fn with_settings(self, settings: &CameraSettings) -> Result<Self, CameraError> {
+        let camera = settings.over(self);
+        camera.axes()?;
+        Ok(camera)
     }
 
     /// The camera over an image of `width` x `height` pixels.
@@ -114,22 +86,23 @@ impl Camera {
         Ok(CameraView { eye, right: right * half_pixel, up: up * half_pixel, forward, size, shutter: self.shutter })
     }
 
-    /// Right, up and forward in the image: orthonormal, in world space.
-    fn axes(&self) -> Result<[DVec3; 3], CameraError> {
-        let finite = |name, numbers: &[f32]| {
-            if numbers.iter().all(|x| x.is_finite()) { Ok(()) } else { Err(CameraError::NotFinite(name)) }
-        };
-        finite("eye", &self.eye)?;
-        finite("look", &self.look)?;
-        finite("up", &self.up)?;
-        finite("shutter", &self.shutter)?;
+    /// Whether each value makes sense by itself.
+    fn check_each(&self) -> Result<(), CameraError> {
+        let values: [(_, &[f32]); 4] =
+            [("eye", &self.eye), ("look", &self.look), ("up", &self.up), ("shutter", &self.shutter)];
+        if let Some((name, _)) = values.into_iter().find(|(_, numbers)| numbers.iter().any(|x| !x.is_finite())) {
+            return Err(CameraError::NotFinite(name));
+        }
         if !(self.fov > 0.0 && self.fov < 180.0) {
             return Err(CameraError::Fov(self.fov));
         }
         let [open, close] = self.shutter;
-        if close < open {
-            return Err(CameraError::Shutter { open, close });
-        }
+        if close < open { Err(CameraError::Shutter { open, close }) } else { Ok(()) }
+    }
+
+    /// Right, up and forward in the image: orthonormal, in world space.
+    fn axes(&self) -> Result<[DVec3; 3], CameraError> {
+        self.check_each()?;
         let [eye, look, up] = [self.eye, self.look, self.up].map(|v| Vec3::from(v).as_dvec3());
         let forward = (look - eye).try_normalize().ok_or(CameraError::NoDirection)?;
         let sideways = forward.cross(up.try_normalize().ok_or(CameraError::NoUp)?);
@@ -146,24 +119,6 @@ impl Camera {
 fn sin_cos(degrees: f64) -> (f64, f64) {
     let turned = Transform::rotate(degrees, DVec3::Z).unwrap_or_default().vector(DVec3::X);
     (turned.y, turned.x)
-}
-
-fn vector(setting: &'static str, value: &str, into: &mut [f32; 3]) -> Result<&'static str, CameraError> {
-    *into = numbers(setting, "three numbers, x,y,z", value)?;
-    Ok(setting)
-}
-
-fn numbers<const N: usize>(
-    setting: &'static str,
-    expected: &'static str,
-    value: &str,
-) -> Result<[f32; N], CameraError> {
-    let numbers: Option<Vec<f32>> = value.split(',').map(|number| number.parse().ok()).collect();
-    numbers.and_then(|n| n.try_into().ok()).ok_or_else(|| value_error(setting, expected, value))
-}
-
-fn value_error(setting: &'static str, expected: &'static str, value: &str) -> CameraError {
-    CameraError::Value { setting, expected, value: value.to_owned() }
 }
 
 #[cfg(test)]

@@ -4,8 +4,12 @@ use super::*;
 
 const SIZE: (u32, u32) = (64, 48);
 
+fn with_settings(camera: Camera, text: &str) -> Result<Camera, CameraError> {
+    camera.with_settings(&text.parse()?)
+}
+
 fn camera(text: &str) -> Camera {
-    Camera::default().with_settings(text).expect("valid")
+    with_settings(Camera::default(), text).expect("valid")
 }
 
 /// pbrt's own way: the point on the screen, by the camera-to-world matrix.
@@ -113,8 +117,8 @@ fn settings_replace_what_they_name() {
         left_handed: true,
     };
     assert_eq!(all, expected);
-    assert_eq!(all.with_settings("hand=right fov=31"), Ok(Camera { fov: 31.0, left_handed: false, ..all }));
-    assert_eq!(all.with_settings(""), Ok(all));
+    assert_eq!(with_settings(all, "hand=right fov=31"), Ok(Camera { fov: 31.0, left_handed: false, ..all }));
+    assert_eq!(with_settings(all, ""), Ok(all));
 }
 
 #[test]
@@ -132,15 +136,22 @@ fn errors_name_the_bad_part() {
         ("hand=both", "the camera's hand must be left or right, not \"both\""),
         ("eye=0,nan,0", "the camera's eye must be finite"),
         ("shutter=0,inf", "the camera's shutter must be finite"),
-        ("eye=1,1,1 look=1,1,1", "the same point"),
-        ("up=0,0,-2", "parallel to its view"),
-        ("up=0,0,0", "up is zero"),
         ("fov=180", "must lie between 0 and 180 degrees, not be 180"),
         ("fov=-1", "must lie between"),
         ("fov=nan", "must lie between"),
         ("shutter=1,0", "closes at 0, before it opens at 1"),
     ] {
-        let error = Camera::default().with_settings(text).expect_err(text);
+        let error = text.parse::<CameraSettings>().expect_err(text);
+        assert!(error.to_string().contains(message), "{text}: {error}");
+    }
+    // Sound by themselves, but not together or with the camera's own.
+    for (text, message) in [
+        ("eye=1,1,1 look=1,1,1", "the same point"),
+        ("look=0,0,0", "the same point"),
+        ("up=0,0,-2", "parallel to its view"),
+        ("up=0,0,0", "up is zero"),
+    ] {
+        let error = with_settings(Camera::default(), text).expect_err(text);
         assert!(error.to_string().contains(message), "{text}: {error}");
     }
     assert_eq!(Camera::default().view(0, 1), Err(CameraError::NoPixels { width: 0, height: 1 }));
