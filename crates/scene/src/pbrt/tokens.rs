@@ -156,19 +156,34 @@ impl<'a> Tokens<'a> {
         Ok(numbers)
     }
 
-    /// Skips all up to the next directive: a word that begins with a letter and is no value.
+    /// Skips strings, values, and brackets with such in them, up to the next directive or the end.
+    ///
+    /// # Errors
+    /// Where a word is neither a value nor a directive, or brackets do not match.
     pub(super) fn skip_arguments(&mut self) -> Result<(), LoadError> {
-        while let Some(byte) = self.peek() {
-            let (at, line) = (self.at, self.line);
-            match self.next()? {
-                Some(Token::Word(word)) if byte.is_ascii_alphabetic() && !is_value(word) => {
-                    (self.at, self.line) = (at, line);
-                    break;
+        let mut opened: Option<Here<'a>> = None;
+        while self.peek().is_some() {
+            let (at, here) = (self.at, self.here());
+            match (self.next()?, opened) {
+                (Some(Token::Word(word)), _) if is_value(word) => {}
+                (Some(Token::String(_)), _) => {}
+                (Some(Token::Open), None) => opened = Some(here),
+                (Some(Token::Close), Some(_)) => opened = None,
+                (Some(Token::Word(word)), None) if is_directive(word) => {
+                    self.at = at;
+                    return Ok(());
                 }
-                _ => {}
+                (Some(other), _) => {
+                    let what = if opened.is_some() { "a value" } else { "a value or a directive" };
+                    return Err(here.malformed(format!("{} stands where {what} should stand", other.describe())));
+                }
+                (None, _) => break,
             }
         }
-        Ok(())
+        match opened {
+            Some(here) => Err(here.malformed("the file ends within the brackets that begin here")),
+            None => Ok(()),
+        }
     }
 
     /// The rest of a string whose opening quote is behind.
@@ -204,6 +219,11 @@ impl<'a> Tokens<'a> {
             }
         }
     }
+}
+
+/// Whether `word` has the form of a directive, known or not: a letter, then letters and digits, and no value.
+pub(super) fn is_directive(word: &[u8]) -> bool {
+    word.first().is_some_and(u8::is_ascii_alphabetic) && word.iter().all(u8::is_ascii_alphanumeric) && !is_value(word)
 }
 
 fn is_value(word: &[u8]) -> bool {
@@ -285,6 +305,28 @@ mod tests {
         assert_eq!(tokens.next().expect("sound"), Some(Token::Word(b"Shape")));
         tokens.skip_arguments().expect("sound");
         assert!(tokens.is_at_end());
+        for (text, message) in [
+            ("1 [ 2\n3", "line 1: the file ends within the brackets that begin here"),
+            ("[ 1\n[ 2 ] ]", "line 2: [ stands where a value should stand"),
+            ("[ 1 Shape", "Shape stands where a value should stand"),
+            ("1 ] Shape", "] stands where a value or a directive should stand"),
+            ("1 2x Shape", "2x stands where a value or a directive should stand"),
+            ("\"a\n\"", "not closed on its line"),
+        ] {
+            let mut tokens = Tokens::new(Path::new("x.pbrt"), text.as_bytes()).expect("UTF-8");
+            let error = tokens.skip_arguments().expect_err(text).to_string();
+            assert!(error.contains(message), "{text}: {error}");
+        }
+    }
+
+    #[test]
+    fn directives_are_words_of_letters_and_digits() {
+        for word in ["Shape", "x", "Foo2", "nano", "informal", "TRUE"] {
+            assert!(is_directive(word.as_bytes()), "{word}");
+        }
+        for word in ["", "3", "3D", "-x", "true", "nan", "inf", "infinity", "a_b", "a,b", "\u{e9}", "x\0"] {
+            assert!(!is_directive(word.as_bytes()), "{word}");
+        }
     }
 
     #[test]
