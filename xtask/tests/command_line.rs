@@ -113,7 +113,7 @@ fn render_draws_every_view() {
 #[test]
 fn sweep_prints_its_tables_and_writes_its_results() {
     let folder = directory();
-    let (code, text) = run(&["sweep", "--rays", "512", "--rounds", "1", "--judged-rays", "64"], folder.path());
+    let (code, text) = run(&["sweep", "--rays", "512", "--rounds", "2", "--judged-rays", "64"], folder.path());
     assert_eq!(code, 0, "{text}");
     let words = ["sah", "hlbvh", "middle", "equal-counts", "primary", "shadow", "diffuse", "random", "Mray/s"];
     for word in words.into_iter().chain(["watertight", "moller-trumbore", "vertex leaks", "verdict", "0 (<"]) {
@@ -125,6 +125,7 @@ fn sweep_prints_its_tables_and_writes_its_results() {
         let value: serde_json::Value = serde_json::from_str(line).expect("JSON");
         assert!(value["closest_mrays_per_s"].as_f64().is_some_and(|x| x > 0.0));
         assert!(value["build_ms"].as_f64().is_some_and(|x| x > 0.0));
+        assert_eq!(value["build_rounds"], 2);
         assert_eq!(value["judged_rays"].as_u64().map(|n| n > 20), Some(true));
         if value["triangle_test"] == "watertight" && value["box_test"] == "padded" {
             assert_eq!(value["bound_violations"], 0);
