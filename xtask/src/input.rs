@@ -43,11 +43,17 @@ impl SceneSource {
             Self::BuiltIn(built_in) => built_in.scene(SEED)?,
             Self::File(path) => scene::load(path)?,
         };
+        let name = match self {
+            Self::BuiltIn(_) => self.name(),
+            Self::File(path) => path.display().to_string(),
+        };
         for warning in &scene.warnings {
-            eprintln!("warning: {}: {warning}", self.name());
+            // Those that say where in the file they are begin with its name.
+            let named = warning.strip_prefix(&name).and_then(|rest| rest.strip_prefix(": "));
+            eprintln!("warning: {name}: {}", named.unwrap_or(warning));
         }
         let can_be_hit = scene.geometries().iter().any(|g| g.shape.bounds().is_valid());
-        ensure!(can_be_hit, "{}: there is nothing in it that a ray could hit", self.name());
+        ensure!(can_be_hit, "{name}: there is nothing in it that a ray could hit");
         Ok(scene)
     }
 }

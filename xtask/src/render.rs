@@ -25,8 +25,8 @@ pub struct Arguments {
     /// What the picture shows
     #[arg(long, value_enum, default_value_t = View::Shaded)]
     view: View,
-    /// The camera: any of eye=x,y,z look=x,y,z up=x,y,z fov=DEGREES shutter=OPEN,CLOSE hand=left|right, separated by
-    /// spaces; what is not named is the scene's own
+    /// The camera: any of eye=x,y,z look=x,y,z up=x,y,z fov=DEGREES shutter=OPEN,CLOSE hand=left|right, in quotes
+    /// and separated by spaces; what is not named is the scene's own
     #[arg(long, value_name = "SETTINGS")]
     camera: Option<CameraSettings>,
     /// Where the picture goes

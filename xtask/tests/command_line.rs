@@ -77,23 +77,36 @@ fn trace_writes_hits_of_a_rays_file() {
     assert_eq!(any.iter().map(|r| r.3 != u32::MAX).collect::<Vec<_>>(), [true, true, false, false, false, false]);
 }
 
-#[test]
-fn trace_reads_npy_rays() {
-    let folder = directory();
-    square(folder.path());
-    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
-    let mut header = format!("{{'descr': '<f4', 'fortran_order': False, 'shape': ({}, 8), }}", RAYS.len());
+/// A .npy file of `rays`, in C order or in Fortran's.
+fn write_npy(path: &Path, rays: &[[f32; 8]], fortran: bool) {
+    let order = if fortran { "True" } else { "False" };
+    let mut header = format!("{{'descr': '<f4', 'fortran_order': {order}, 'shape': ({}, 8), }}", rays.len());
     while (10 + header.len() + 1) % 64 != 0 {
         header.push(' ');
     }
     header.push('\n');
+    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
     bytes.extend((header.len() as u16).to_le_bytes());
     bytes.extend(header.as_bytes());
-    bytes.extend(RAYS.as_flattened().iter().flat_map(|x| x.to_le_bytes()));
-    std::fs::write(folder.path().join("in.npy"), bytes).expect("written");
-    let (code, text) = run(&["trace", "square.obj", "--rays", "in.npy", "--out", "hits.npy"], folder.path());
-    assert_eq!(code, 0, "{text}");
-    assert_eq!(records(&folder.path().join("hits.npy"))[1].3, 1);
+    if fortran {
+        bytes.extend((0..8).flat_map(|column| rays.iter().flat_map(move |ray| ray[column].to_le_bytes())));
+    } else {
+        bytes.extend(rays.as_flattened().iter().flat_map(|x| x.to_le_bytes()));
+    }
+    std::fs::write(path, bytes).expect("written");
+}
+
+#[test]
+fn trace_reads_npy_rays() {
+    let folder = directory();
+    square(folder.path());
+    for fortran in [false, true] {
+        write_npy(&folder.path().join("in.npy"), &RAYS, fortran);
+        let (code, text) = run(&["trace", "square.obj", "--rays", "in.npy", "--out", "hits.npy"], folder.path());
+        assert_eq!(code, 0, "{text}");
+        let primitives: Vec<u32> = records(&folder.path().join("hits.npy")).iter().map(|record| record.3).collect();
+        assert_eq!(primitives, [0, 1, u32::MAX, u32::MAX, u32::MAX, u32::MAX]);
+    }
 }
 
 #[test]
@@ -181,6 +194,20 @@ fn bad_input_is_refused_with_words() {
         assert_eq!(code, expected, "{arguments:?}: {text}");
         assert!(text.contains(words), "{arguments:?} does not say \"{words}\": {text}");
     }
+}
+
+/// What a scene file says beyond what is modelled: drawn without it, and said once, with the place.
+#[test]
+fn unknown_directives_are_warned_of() {
+    let folder = directory();
+    std::fs::write(folder.path().join("odd.pbrt"), "WorldBegin\nShap \"disk\"\nShap \"disk\"\nShape \"sphere\"\n")
+        .expect("written");
+    let (code, text) = run(&["render", "odd.pbrt", "--width", "8", "--height", "8", "--samples", "1"], folder.path());
+    assert_eq!(code, 0, "{text}");
+    let warnings: Vec<&str> = text.lines().filter(|line| line.starts_with("warning: ")).collect();
+    let [warning] = warnings[..] else { panic!("{text}") };
+    assert!(warning.starts_with("warning: odd.pbrt: line 2: Shap is no known directive"), "{warning}");
+    assert!(warning.contains("did you mean \"Shape\"?"), "{warning}");
 }
 
 #[test]
