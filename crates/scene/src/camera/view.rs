@@ -3,7 +3,7 @@
 use geometry::Ray;
 use geometry::glam::{DVec3, Vec3};
 
-/// A [`Camera`] over an image of some size: what makes its rays.
+/// A [`Camera`](super::Camera) over an image of some size: what makes its rays.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CameraView {
     pub(super) eye: Vec3,
