@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use bvh_flat::geometry::{ClosestHit, Hit, Interval, Ray, Shape, TraversalRay, TriangleMesh, Visit};
+use bvh_flat::geometry::{ClosestHit, FirstHit, Hit, Interval, Ray, Shape, TraversalRay, TriangleMesh, Visit};
 use bvh_flat::{BuildConfig, MeshBvh, SplitMethod};
 use rayon::prelude::*;
 
@@ -76,7 +76,8 @@ fn all_hits_are_the_same_hits() {
     }
 }
 
-/// Hits left out by a filter: the tree answers as the list does, and never with what was left out.
+/// Hits left out by a filter: the tree answers as the list does, never with what was left out, and finds any hit where
+/// there is a closest one.
 #[test]
 fn filtered_hits_are_the_same() {
     let mesh = Arc::new(scene::meshes::icosphere(3, |_| 1.0).expect("a mesh"));
@@ -84,6 +85,10 @@ fn filtered_hits_are_the_same() {
     let filtered = |shape: &dyn Shape, ray: &TraversalRay, interval: Interval| {
         let mut closest = ClosestHit::among(interval, odd);
         let _ = shape.visit_hits(ray, interval, &mut closest);
+        let mut first = FirstHit::among(interval, odd);
+        let is_hit = shape.visit_hits(ray, interval, &mut first).is_break();
+        assert_eq!((is_hit, first.hit().is_some()), (closest.hit().is_some(), is_hit));
+        assert!(first.hit().is_none_or(|hit| odd(&hit) && interval.contains(hit.t)));
         closest.hit()
     };
     for method in SplitMethod::ALL {

@@ -1,10 +1,13 @@
 //! What commands have in common: scenes and split methods as the command line names them.
 
+use std::fmt;
 use std::path::PathBuf;
 
 use anyhow::{Result, ensure};
+use bvh_flat::primitive::Primitive;
 use bvh_flat::{BuildConfig, SplitMethod};
 use clap::ValueEnum;
+use clap::error::ErrorKind;
 use scene::{BuiltIn, Camera, CompiledScene, Scene};
 
 /// The seed of everything that is random: the same scene and the same rays on every machine.
@@ -40,11 +43,17 @@ impl SceneSource {
             Self::BuiltIn(built_in) => built_in.scene(SEED)?,
             Self::File(path) => scene::load(path)?,
         };
+        let name = match self {
+            Self::BuiltIn(_) => self.name(),
+            Self::File(path) => path.display().to_string(),
+        };
         for warning in &scene.warnings {
-            eprintln!("warning: {}: {warning}", self.name());
+            // Those that say where in the file they are begin with its name.
+            let named = warning.strip_prefix(&name).and_then(|rest| rest.strip_prefix(": "));
+            eprintln!("warning: {name}: {}", named.unwrap_or(warning));
         }
         let can_be_hit = scene.geometries().iter().any(|g| g.shape.bounds().is_valid());
-        ensure!(can_be_hit, "{}: there is nothing in it that a ray could hit", self.name());
+        ensure!(can_be_hit, "{name}: there is nothing in it that a ray could hit");
         Ok(scene)
     }
 }
@@ -83,15 +92,13 @@ pub fn compile(source: &SceneSource, method: SplitMethod) -> Result<CompiledScen
     Ok(CompiledScene::build(source.load()?, &BuildConfig::new(method), &())?)
 }
 
-/// The camera of the command line, else that of the scene, else a view from outside.
-pub fn camera(compiled: &CompiledScene, wanted: Option<&str>) -> Result<Camera> {
+/// The scene's own camera, else a view from outside.
+pub fn camera(compiled: &CompiledScene) -> Camera {
     let own = compiled.scene().camera;
-    let base = own.unwrap_or_else(|| {
-        use bvh_flat::primitive::Primitive;
-        Camera::looking_at_bounds(&compiled.world().world_bound())
-    });
-    match wanted {
-        Some(text) => Ok(base.with_settings(text)?),
-        None => Ok(base),
-    }
+    own.unwrap_or_else(|| Camera::looking_at_bounds(&compiled.world().world_bound()))
+}
+
+/// The error of a command line that makes no sense, where only the scene or the catalogue could tell.
+pub fn usage_error(message: impl fmt::Display) -> anyhow::Error {
+    clap::Error::raw(ErrorKind::ValueValidation, format!("{message}\n")).into()
 }

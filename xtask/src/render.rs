@@ -9,7 +9,7 @@ use bvh_flat::primitive::{HitKind, Primitive};
 use clap::{Args, ValueEnum};
 use indicatif::{ParallelProgressIterator, ProgressBar, ProgressStyle};
 use rayon::prelude::*;
-use scene::{Camera, CameraView, CompiledScene};
+use scene::{Camera, CameraSettings, CameraView, CompiledScene};
 
 use crate::input::{self, SCENE_HELP, SEED, SceneSource, SplitMethodName};
 use crate::measure::timed;
@@ -25,10 +25,10 @@ pub struct Arguments {
     /// What the picture shows
     #[arg(long, value_enum, default_value_t = View::Shaded)]
     view: View,
-    /// The camera: any of eye=x,y,z look=x,y,z up=x,y,z fov=DEGREES shutter=OPEN,CLOSE hand=left|right, separated by
-    /// spaces; what is not named is the scene's own
+    /// The camera: any of eye=x,y,z look=x,y,z up=x,y,z fov=DEGREES shutter=OPEN,CLOSE hand=left|right, in quotes
+    /// and separated by spaces; what is not named is the scene's own
     #[arg(long, value_name = "SETTINGS")]
-    camera: Option<String>,
+    camera: Option<CameraSettings>,
     /// Where the picture goes
     #[arg(short, long, value_name = "OUT.png", default_value = "out.png")]
     out: PathBuf,
@@ -60,7 +60,11 @@ enum View {
 
 pub fn run(arguments: &Arguments) -> Result<()> {
     let compiled = input::compile(&arguments.scene, arguments.split_method.method())?;
-    let camera = input::camera(&compiled, arguments.camera.as_deref())?;
+    let own = input::camera(&compiled);
+    let camera = match &arguments.camera {
+        Some(settings) => own.with_settings(settings).map_err(input::usage_error)?,
+        None => own,
+    };
     let view = camera.view(arguments.width, arguments.height)?;
     let (time, pixels) = timed(|| draw(arguments, &compiled, &camera, &view));
     write_png(&arguments.out, arguments.width, arguments.height, &pixels)?;

@@ -95,8 +95,8 @@ fn read_npy(path: &Path) -> Result<Vec<RaySegment>> {
     let bytes = std::fs::read(path).with_context(context)?;
     let npy = npyz::NpyFile::new(&bytes[..]).with_context(context)?;
     ensure!(
-        matches!(npy.shape(), [_, 8]) && npy.order() == npyz::Order::C,
-        "{}: the array must have the shape (N, 8) in C order, not {:?}",
+        matches!(npy.shape(), [_, 8]),
+        "{}: the array must have the shape (N, 8), not {:?}",
         path.display(),
         npy.shape()
     );
@@ -108,12 +108,17 @@ fn read_npy(path: &Path) -> Result<Vec<RaySegment>> {
         path.display(),
         npy.shape()[0]
     );
+    let (rows, order) = (npy.shape()[0] as usize, npy.order());
     let values: Vec<f32> = npy.into_vec().with_context(context)?;
-    let segment = |v: &[f32]| RaySegment {
-        ray: Ray::new([v[0], v[1], v[2]], [v[4], v[5], v[6]]),
-        interval: Interval::new(v[3], v[7]),
+    let segment = |row: usize| {
+        let v: [f32; 8] = std::array::from_fn(|column| match order {
+            npyz::Order::C => values[8 * row + column],
+            npyz::Order::Fortran => values[rows * column + row],
+        });
+        let [ox, oy, oz, t_min, dx, dy, dz, t_max] = v;
+        RaySegment { ray: Ray::new([ox, oy, oz], [dx, dy, dz]), interval: Interval::new(t_min, t_max) }
     };
-    Ok(values.chunks_exact(8).map(segment).collect())
+    Ok((0..rows).map(segment).collect())
 }
 
 fn write_hits(path: &Path, records: &[HitRecord]) -> Result<()> {

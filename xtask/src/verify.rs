@@ -26,7 +26,7 @@ pub struct Arguments {
     #[arg(long)]
     full: bool,
     /// Run only the cases whose id begins with one of these: T, T01, S2
-    #[arg(long, value_delimiter = ',', value_name = "ID")]
+    #[arg(long, value_delimiter = ',', value_name = "ID", conflicts_with = "scene")]
     case: Vec<String>,
     /// How trees are built
     #[arg(long, value_enum, default_value_t = SplitMethodName::Sah, value_name = "METHOD")]
@@ -46,7 +46,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 fn verify_catalogue(arguments: &Arguments) -> Result<()> {
     let wanted = |case: &Case| arguments.case.is_empty() || arguments.case.iter().any(|id| case.id.starts_with(id));
     let chosen: Vec<Case> = cases().into_iter().filter(wanted).collect();
-    ensure!(!chosen.is_empty(), "no case has an id that begins with {}", arguments.case.join(" or "));
+    if let Some(unknown) = arguments.case.iter().find(|id| !chosen.iter().any(|case| case.id.starts_with(*id))) {
+        return Err(input::usage_error(format!("no case has an id that begins with \"{unknown}\"")));
+    }
     let effort = if arguments.full { Effort::Full } else { Effort::Quick };
     let library = Library { config: BuildConfig::new(arguments.split_method.method()) };
 
@@ -102,7 +104,7 @@ fn row(case: &Case, time: Duration, outcome: &Outcome) -> [String; 6] {
 fn verify_scene(arguments: &Arguments, source: &SceneSource) -> Result<()> {
     let rays = if arguments.full { 1 << 20 } else { 1 << 14 };
     let compiled = input::compile(source, arguments.split_method.method())?;
-    let camera = input::camera(&compiled, None)?;
+    let camera = input::camera(&compiled);
     let bounds = compiled.world().world_bound();
     let sets = RaySets::generate(compiled.world(), &bounds, &camera, rays, arguments.seed)?;
     let Some(truth) = Truth::new(&compiled, &sets, rays) else {

@@ -148,14 +148,48 @@ impl<F: FnMut(&Hit) -> bool> HitVisitor for ClosestHit<F> {
     }
 }
 
-/// The visitor that an any-hit query is: keeps the first hit found, and stops.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct FirstHit {
+/// The visitor that an any-hit query is: keeps the first hit found that `accept` takes, and stops.
+#[derive(Clone, Copy, Debug)]
+pub struct FirstHit<F = fn(&Hit) -> bool> {
     hit: Option<Hit>,
     work: Work,
+    t_max: f32,
+    accept: F,
 }
 
-impl FirstHit {
+/// Takes every hit, of whatever interval is asked.
+impl Default for FirstHit {
+    fn default() -> Self {
+        Self::among(Interval::FULL, |_| true)
+    }
+}
+
+impl<F: FnMut(&Hit) -> bool> FirstHit<F> {
+    /// Any of the hits in the interval that `accept` takes: for shadows through alpha masks, ray masks, or to ignore a
+    /// primitive. `accept` is asked in no particular order, and no more once it took a hit; it must answer by the hit
+    /// alone.
+    ///
+    /// ```
+    /// use geometry::glam::Vec3;
+    /// use geometry::{FirstHit, Hit, Interval, Ray, Shape, TraversalRay, TriangleMesh};
+    ///
+    /// // Two leaves of one triangle each. The first is cut out where u > ½.
+    /// let leaf = |z| [[0.0, 0.0, z], [1.0, 0.0, z], [0.0, 1.0, z]].map(Vec3::from);
+    /// let leaves = TriangleMesh::new([leaf(0.0), leaf(1.0)].concat(), vec![[0, 1, 2], [3, 4, 5]])?;
+    /// let is_opaque = |hit: &Hit| hit.primitive != 0 || hit.u <= 0.5;
+    ///
+    /// let ray = TraversalRay::new(&Ray::new([0.75, 0.125, -1.0], [0.0, 0.0, 1.0])).expect("it has a direction");
+    /// for (interval, blocker) in [(Interval::FULL, Some(1)), (Interval::up_to(1.5), None)] {
+    ///     let mut shadow = FirstHit::among(interval, is_opaque);
+    ///     let is_blocked = leaves.visit_hits(&ray, interval, &mut shadow).is_break();
+    ///     assert_eq!((is_blocked, shadow.hit().map(|hit| hit.primitive)), (blocker.is_some(), blocker));
+    /// }
+    /// # Ok::<(), geometry::MeshError>(())
+    /// ```
+    pub fn among(interval: Interval, accept: F) -> Self {
+        Self { hit: None, work: Work::default(), t_max: interval.t_max(), accept }
+    }
+
     /// Whichever hit was found first.
     pub fn hit(&self) -> Option<Hit> {
         self.hit
@@ -167,13 +201,51 @@ impl FirstHit {
     }
 }
 
-impl HitVisitor for FirstHit {
+impl<F: FnMut(&Hit) -> bool> HitVisitor for FirstHit<F> {
     fn hit(&mut self, hit: Hit) -> Visit {
+        if !(self.accept)(&hit) {
+            return ControlFlow::Continue(self.t_max);
+        }
         self.hit = Some(hit);
         ControlFlow::Break(())
     }
 
     fn work(&mut self, work: Work) {
         self.work += work;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn hit(t: f32, primitive: u64) -> Hit {
+        Hit { t, u: 0.0, v: 0.0, primitive }
+    }
+
+    #[test]
+    fn any_hit_passes_over_what_is_not_accepted_and_stops_at_what_is() {
+        let interval = Interval::up_to(9.0);
+        let mut asked = Vec::new();
+        let mut first = FirstHit::among(interval, |hit: &Hit| {
+            asked.push(hit.primitive);
+            hit.primitive == 2
+        });
+        for (found, answer) in [
+            (hit(1.0, 0), ControlFlow::Continue(9.0)),
+            (hit(0.5, 1), ControlFlow::Continue(9.0)),
+            (hit(5.0, 2), ControlFlow::Break(())),
+        ] {
+            assert_eq!(HitVisitor::hit(&mut first, found), answer);
+        }
+        assert_eq!(FirstHit::hit(&first), Some(hit(5.0, 2)));
+        assert_eq!(asked, [0, 1, 2]);
+    }
+
+    #[test]
+    fn without_a_filter_any_hit_is_the_first() {
+        let mut first = FirstHit::default();
+        assert_eq!(HitVisitor::hit(&mut first, hit(3.0, 7)), ControlFlow::Break(()));
+        assert_eq!(FirstHit::hit(&first), Some(hit(3.0, 7)));
     }
 }

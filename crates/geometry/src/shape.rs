@@ -34,7 +34,8 @@ pub trait Shape {
         closest.hit()
     }
 
-    /// Whether there is any hit: pbrt's IntersectP, for shadow rays.
+    /// Whether there is any hit: pbrt's IntersectP, for shadow rays. To leave hits out, visit with
+    /// [`FirstHit::among`].
     fn intersect_p(&self, ray: &TraversalRay, interval: Interval) -> bool {
         self.visit_hits(ray, interval, &mut FirstHit::default()).is_break()
     }

@@ -41,7 +41,8 @@ pub trait Primitive {
         closest.hit()
     }
 
-    /// Whether there is any hit on a surface with a material: pbrt's IntersectP, for shadow rays.
+    /// Whether there is any hit on a surface with a material: pbrt's IntersectP, for shadow rays. To leave hits out,
+    /// visit with [`FirstHit::among`]; to learn which hit it was or what it cost, with [`FirstHit`].
     fn intersect_p(&self, ray: &TraversalRay, interval: Interval) -> bool {
         self.visit_hits(ray, interval, HitKind::Material, &mut FirstHit::default()).is_break()
     }

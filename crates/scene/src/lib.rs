@@ -18,9 +18,10 @@ mod ply;
 mod procedural;
 mod rays;
 mod scene;
+mod spelling;
 mod stl;
 
-pub use camera::{Camera, CameraError, CameraView};
+pub use camera::{Camera, CameraError, CameraSettings, CameraView};
 pub use compile::{CompiledScene, ObjectAggregate, PrimitiveName, ScenePrimitive};
 pub use load::{LoadError, Place, load};
 pub use procedural::{BuiltIn, BuiltInError, MAX_TRIANGLES, meshes};

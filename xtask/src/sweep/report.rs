@@ -2,7 +2,8 @@
 
 use std::time::Duration;
 
-use super::run::{Build, Configuration, Sweep};
+use super::builds::Build;
+use super::run::{Configuration, Sweep};
 use crate::errors::{Errors, per_million, quantile};
 use crate::table::{count, table};
 
@@ -23,7 +24,9 @@ pub fn print(sweep: &Sweep, threads: usize) {
 }
 
 fn print_builds(sweep: &Sweep, threads: usize) {
-    println!("\nBuild, {threads} threads");
+    let rounds = sweep.builds.iter().map(|b| b.rounds).max().unwrap_or(0);
+    let timed = if rounds == 1 { "1 timed round".to_owned() } else { format!("the median of {rounds} rounds") };
+    println!("\nBuild, {threads} threads, {timed}");
     let header = ["split method", "build ms", "Mprim/s", "nodes", "leaves", "depth", "SAH cost", "bytes/prim"];
     let mut builds = table(&header, 1);
     for build in &sweep.builds {

@@ -1,23 +1,23 @@
-//! Builds, traces, judges and times.
+//! Traces, judges and times.
 
 use std::hash::{DefaultHasher, Hasher};
 use std::sync::Arc;
 use std::time::Duration;
 
 use anyhow::{Result, bail};
-use bvh_flat::bvh_build::TreeStatistics;
+use bvh_flat::SplitMethod;
 use bvh_flat::geometry::{ClosestHit, FirstHit, Hit, TraversalRay, Work};
 use bvh_flat::primitive::{HitKind, Primitive};
-use bvh_flat::{BuildConfig, SplitMethod};
 use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressStyle};
-use scene::{CompiledScene, RaySegment, RaySets};
+use scene::{RaySegment, RaySets};
 
 use super::Arguments;
+use super::builds::{Build, build_all, build_rounds};
 use super::configuration::{KernelName, Subject};
 use crate::errors::{self, Errors, Truth};
 use crate::input::{self, SEED, SceneSource, SplitMethodName};
-use crate::measure::{BuildClock, median, timed};
+use crate::measure::{median, timed};
 
 /// What was measured on one scene.
 pub struct Sweep {
@@ -28,21 +28,6 @@ pub struct Sweep {
     pub instanced_primitives: u64,
     pub builds: Vec<Build>,
     pub configurations: Vec<Configuration>,
-}
-
-/// A build, all trees of the scene together.
-pub struct Build {
-    pub method: SplitMethod,
-    pub time: Duration,
-    pub phases: Vec<(String, Duration)>,
-    pub nodes: u64,
-    pub leaves: u64,
-    /// Of the deepest tree.
-    pub depth: u32,
-    /// The mean over the trees, weighted by their primitives.
-    pub sah_cost: f64,
-    /// Of all that is kept beside the scene itself.
-    pub bytes: u64,
 }
 
 /// What was measured with one split method and one choice of kernels.
@@ -80,27 +65,19 @@ pub fn sweep(arguments: &Arguments, source: &SceneSource, pool: &rayon::ThreadPo
     let methods: Vec<SplitMethod> = chosen(&arguments.split_method).into_iter().map(SplitMethodName::method).collect();
     let kernels = chosen(&arguments.kernels);
     let configurations = (methods.len() * kernels.len()) as u64;
-    let bar = progress_bar(source, 2 + methods.len() as u64 + configurations * (2 + u64::from(arguments.rounds)));
+    let bar = progress_bar(source);
 
     bar.set_message("load");
     let scene = Arc::new(source.load()?);
-    bar.inc(1);
-    let mut builds = Vec::new();
-    let mut compiled = Vec::new();
-    for &method in &methods {
-        bar.set_message(format!("build {}", method.name()));
-        let clock = BuildClock::default();
-        let build = || CompiledScene::build(Arc::clone(&scene), &BuildConfig::new(method), &clock);
-        let (time, built) = timed(|| pool.install(build));
-        let built = built?;
-        builds.push(build_figures(method, time, &clock, &built));
-        compiled.push(built);
-        bar.inc(1);
-    }
+    let primitives = scene.geometries().iter().map(|g| g.shape.primitive_count()).sum();
+    let rounds = build_rounds(arguments.rounds, primitives);
+    let build_steps = methods.len() as u64 * u64::from(1 + rounds);
+    bar.set_length(2 + build_steps + configurations * (2 + u64::from(arguments.rounds)));
+    let (compiled, builds) = build_all(&scene, &methods, rounds, pool, &bar)?;
 
     let Some(first) = compiled.first() else { bail!("no split method is left to measure") };
     bar.set_message("aim rays");
-    let camera = input::camera(first, None)?;
+    let camera = input::camera(first);
     let bounds = first.world().world_bound();
     let sets = RaySets::generate(first.world(), &bounds, &camera, arguments.rays as usize, SEED)?;
     bar.set_message("ask the oracle");
@@ -153,7 +130,7 @@ pub fn sweep(arguments: &Arguments, source: &SceneSource, pool: &rayon::ThreadPo
     }
     Ok(Sweep {
         scene: source.name(),
-        primitives: scene.geometries().iter().map(|g| g.shape.primitive_count()).sum(),
+        primitives,
         instanced_primitives: first.world().primitive_count(),
         builds,
         configurations: measured,
@@ -165,29 +142,13 @@ fn chosen<T: ValueEnum + Copy>(names: &[T]) -> Vec<T> {
     if names.is_empty() { T::value_variants().to_vec() } else { names.to_vec() }
 }
 
-fn progress_bar(source: &SceneSource, steps: u64) -> ProgressBar {
-    let bar = ProgressBar::new(steps);
+fn progress_bar(source: &SceneSource) -> ProgressBar {
+    let bar = ProgressBar::no_length();
     if let Ok(style) = ProgressStyle::with_template("{prefix}  {wide_bar} {pos}/{len}  {msg:<20} {eta:>4} left") {
         bar.set_style(style);
     }
     bar.set_prefix(source.name());
     bar
-}
-
-fn build_figures(method: SplitMethod, time: Duration, clock: &BuildClock, compiled: &CompiledScene) -> Build {
-    let trees = clock.trees();
-    let sum = |f: fn(&TreeStatistics) -> u32| trees.iter().map(|t| u64::from(f(t))).sum::<u64>();
-    let weighted_cost: f64 = trees.iter().map(|t| t.sah_cost * f64::from(t.active_count)).sum();
-    Build {
-        method,
-        time,
-        phases: clock.phases().into_iter().collect(),
-        nodes: sum(|t| t.node_count),
-        leaves: sum(|t| t.leaf_count),
-        depth: trees.iter().map(|t| t.depth).max().unwrap_or(0),
-        sah_cost: weighted_cost / sum(|t| t.active_count).max(1) as f64,
-        bytes: compiled.memory() as u64,
-    }
 }
 
 /// Rays that make no sense are misses, as in a query by the user.

@@ -46,7 +46,14 @@ impl Polygons {
         let mut number = 1;
         while !rest.is_empty() {
             let (line, len, lines) = logical_line(rest);
-            polygons.statement(&line, number).map_err(|e| LoadError::malformed(path, Place::Line(number), e))?;
+            let malformed = |reason| LoadError::malformed(path, Place::Line(number), reason);
+            let small_faces = polygons.small_faces;
+            polygons.statement(&line, number).map_err(malformed)?;
+            // A face without three vertices is odd, but one that the end of the file cuts off is half a file.
+            let is_last = len == rest.len() && !rest.ends_with(b"\n") && !rest.ends_with(b"\r");
+            if is_last && polygons.small_faces > small_faces {
+                return Err(malformed("the file ends within a face: it is truncated".to_owned()));
+            }
             rest = &rest[len..];
             number += lines;
         }

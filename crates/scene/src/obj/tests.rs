@@ -94,6 +94,10 @@ fn what_is_left_out_is_warned_of_once() {
             "no triangles"
         ]
     );
+    for text in ["v 1 2 3\nf", "v 1 2 3\nf 1/", "v 1 2 3\nf 1 1", "v 1 2 3\nf \\\n1 1"] {
+        let error = read(text).expect_err(text).to_string();
+        assert!(error.contains("line 2: the file ends within a face"), "{text}: {error}");
+    }
     for text in ["", "# nothing\n", "v nan inf -1e99\n"] {
         assert_eq!(read(text).expect("valid").warnings, ["no triangles"]);
     }

@@ -6,9 +6,9 @@ use geometry::{Transform, TransformError};
 use primitive::Placement;
 
 use super::interpreter::Interpreter;
-use super::spelling::did_you_mean;
 use super::state::{GraphicsState, TransformSet};
 use super::tokens::{Here, Token, Tokens, text};
+use crate::spelling::did_you_mean;
 use crate::{LoadError, Place};
 
 /// Begin and End nest to this depth.

@@ -9,9 +9,8 @@ use super::blocks::Block;
 use super::camera::set_camera;
 use super::files::resolve;
 use super::parameters::Parameters;
-use super::spelling::did_you_mean;
 use super::state::{GraphicsState, TransformSet};
-use super::tokens::{Here, Token, Tokens, text};
+use super::tokens::{Here, Token, Tokens, is_directive, text};
 use super::world::World;
 use crate::{LoadError, Scene};
 
@@ -128,7 +127,7 @@ impl<'p> Interpreter<'p> {
             }
             let here = tokens.here();
             match tokens.expect("a directive")? {
-                Token::Word(word) => {
+                Token::Word(word) if is_directive(word) => {
                     let name = String::from_utf8_lossy(word);
                     self.directive(&name, here, &mut tokens)?;
                 }
@@ -267,10 +266,9 @@ impl<'p> Interpreter<'p> {
                 self.world.warn(format!("{name} is not modelled: skipped"));
                 tokens.skip_arguments()
             }
-            // Not skipped: what pbrt does not know either is a misspelling, and would silently change the scene.
             _ => {
-                let hint = did_you_mean(name, KNOWN.into_iter().chain(SKIPPED));
-                Err(here.malformed(format!("{} is no directive{hint}", text(name.as_bytes()))))
+                self.world.unknown_directive(here, name, KNOWN.into_iter().chain(SKIPPED));
+                tokens.skip_arguments()
             }
         }
     }

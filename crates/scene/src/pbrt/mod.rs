@@ -2,7 +2,8 @@
 //!
 //! Read: transforms (still and moving), attributes, objects and their instances, trianglemesh, plymesh, loopsubdiv (its
 //! control cage) and sphere, materials, area lights and media as names, the perspective camera, Include and Import.
-//! Everything else of the format is skipped with one warning for each kind; what is no pbrt is an error.
+//! Every other directive is skipped with its parameters and one warning for each name, which says where it stands and what
+//! may have been meant if it is none of the format's; what does not even have the form of pbrt is an error.
 //!
 //! Sources: Pharr, Jakob and Humphreys, *Physically Based Rendering*, appendix C (4th edition; B in the 3rd), and the
 //! format's references, pbrt.org/fileformat-v3 and pbrt.org/fileformat-v4. As there, Transform lists its matrix by
@@ -19,7 +20,6 @@
 //! world        shapes, objects, and the tables of names
 //! shapes       Shape
 //! camera       Camera
-//! spelling     the nearest known names, for errors
 //! ```
 
 mod blocks;
@@ -28,7 +28,6 @@ mod files;
 mod interpreter;
 mod parameters;
 mod shapes;
-mod spelling;
 mod state;
 #[cfg(test)]
 mod tests;

@@ -156,19 +156,34 @@ impl<'a> Tokens<'a> {
         Ok(numbers)
     }
 
-    /// Skips all up to the next directive: a word that begins with a letter and is no value.
+    /// Skips strings, values, and brackets with such in them, up to the next directive or the end.
+    ///
+    /// # Errors
+    /// Where a word is neither a value nor a directive, or brackets do not match.
     pub(super) fn skip_arguments(&mut self) -> Result<(), LoadError> {
-        while let Some(byte) = self.peek() {
-            let (at, line) = (self.at, self.line);
-            match self.next()? {
-                Some(Token::Word(word)) if byte.is_ascii_alphabetic() && !is_value(word) => {
-                    (self.at, self.line) = (at, line);
-                    break;
+        let mut opened: Option<Here<'a>> = None;
+        while self.peek().is_some() {
+            let (at, here) = (self.at, self.here());
+            match (self.next()?, opened) {
+                (Some(Token::Word(word)), _) if is_value(word) => {}
+                (Some(Token::String(_)), _) => {}
+                (Some(Token::Open), None) => opened = Some(here),
+                (Some(Token::Close), Some(_)) => opened = None,
+                (Some(Token::Word(word)), None) if is_directive(word) => {
+                    self.at = at;
+                    return Ok(());
                 }
-                _ => {}
+                (Some(other), _) => {
+                    let what = if opened.is_some() { "a value" } else { "a value or a directive" };
+                    return Err(here.malformed(format!("{} stands where {what} should stand", other.describe())));
+                }
+                (None, _) => break,
             }
         }
-        Ok(())
+        match opened {
+            Some(here) => Err(here.malformed("the file ends within the brackets that begin here")),
+            None => Ok(()),
+        }
     }
 
     /// The rest of a string whose opening quote is behind.
@@ -206,6 +221,11 @@ impl<'a> Tokens<'a> {
     }
 }
 
+/// Whether `word` has the form of a directive, known or not: a letter, then letters and digits, and no value.
+pub(super) fn is_directive(word: &[u8]) -> bool {
+    word.first().is_some_and(u8::is_ascii_alphabetic) && word.iter().all(u8::is_ascii_alphanumeric) && !is_value(word)
+}
+
 fn is_value(word: &[u8]) -> bool {
     word == b"true" || word == b"false" || parse_number(word).is_some()
 }
@@ -218,79 +238,4 @@ pub(super) fn parse_number(word: &[u8]) -> Option<f64> {
         return Some(f64::from(word.iter().fold(0, |sum, digit| 10 * sum + u32::from(digit - b'0'))));
     }
     std::str::from_utf8(word).ok()?.parse().ok()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn all(text: &str) -> Result<Vec<(String, usize)>, LoadError> {
-        let mut tokens = Tokens::new(Path::new("x.pbrt"), text.as_bytes())?;
-        let mut list = Vec::new();
-        while !tokens.is_at_end() {
-            let line = tokens.here().line;
-            list.push((tokens.expect("a token")?.describe(), line));
-        }
-        Ok(list)
-    }
-
-    #[test]
-    fn words_strings_brackets_comments_and_lines() {
-        let list = all("\u{feff}Shape\"a b\"[1-2]# x \"\n\r\n  3#4\n#end").expect("sound");
-        let expected = [("Shape", 1), ("\"a b\"", 1), ("[", 1), ("1-2", 1), ("]", 1), ("3", 3)];
-        assert_eq!(list, expected.map(|(token, line)| (token.to_owned(), line)));
-        assert!(all("").expect("sound").is_empty());
-    }
-
-    #[test]
-    fn strings_resolve_their_escapes() {
-        let mut tokens = Tokens::new(Path::new("x.pbrt"), br#""a\"b\\c\n" "plain" """#).expect("UTF-8");
-        for expected in ["a\"b\\c\n", "plain", ""] {
-            assert_eq!(tokens.expect_string("a string").expect("sound"), expected);
-        }
-    }
-
-    #[test]
-    fn broken_strings_and_encodings_are_refused() {
-        for (text, message) in [
-            ("\n\"ab", "line 2: the string that begins here is not closed"),
-            ("\"ab\n\"", "line 1: the string that begins here is not closed"),
-            ("\"ab\\", "not closed"),
-            ("\"ab\\\n\"", "not closed"),
-            ("\"\\q\"", "\\q is no known escape"),
-        ] {
-            let error = all(text).expect_err(text).to_string();
-            assert!(error.contains(message), "{error}");
-        }
-        assert!(Tokens::new(Path::new("x"), &[0xff, 0xfe, b'S', 0]).is_err());
-    }
-
-    #[test]
-    fn numbers_are_those_of_the_general_parser() {
-        for word in ["0", "7", "123456789", "1234567890", "007", "-1", "+2.5", ".5", "5.", "1e-3", "-0", "nan", "inf"] {
-            let expected: f64 = word.parse().expect("a number");
-            let parsed = parse_number(word.as_bytes()).expect("a number");
-            assert_eq!(parsed.to_bits(), expected.to_bits(), "{word}");
-        }
-        for word in ["", "1a", "--1", "0x10", "true", "\u{e9}", "1,2"] {
-            assert_eq!(parse_number(word.as_bytes()), None, "{word}");
-        }
-    }
-
-    #[test]
-    fn arguments_are_skipped_up_to_the_next_directive() {
-        let text = br#""a" [ "b" 1 2 ] true inf 3 false Shape"#;
-        let mut tokens = Tokens::new(Path::new("x.pbrt"), text).expect("UTF-8");
-        tokens.skip_arguments().expect("sound");
-        assert_eq!(tokens.next().expect("sound"), Some(Token::Word(b"Shape")));
-        tokens.skip_arguments().expect("sound");
-        assert!(tokens.is_at_end());
-    }
-
-    #[test]
-    fn long_texts_are_shortened_in_errors() {
-        assert_eq!(text(&[b'x'; 40]).chars().count(), 40);
-        assert_eq!(text(&[b'x'; 4000]).chars().count(), 41);
-        assert_eq!(text("é".repeat(300).as_bytes()).chars().count(), 41);
-    }
 }

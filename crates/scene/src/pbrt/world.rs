@@ -7,10 +7,10 @@ use primitive::{AreaLightId, MaterialId, MediumId, MediumInterface, Placement, S
 
 use super::parameters::Parameters;
 use super::shapes::{self, ObjectShape};
-use super::spelling::did_you_mean;
 use super::state::{Entries, Entry, GraphicsState};
 use super::tokens::{Here, text};
-use crate::{Camera, Geometry, LoadError, ObjectId, Scene, SceneBuilder, SceneError};
+use crate::spelling::did_you_mean;
+use crate::{Camera, Geometry, LoadError, ObjectId, Place, Scene, SceneBuilder, SceneError};
 
 /// No more warnings than these: a file can be wrong in any number of ways.
 const MAX_WARNINGS: usize = 100;
@@ -29,6 +29,8 @@ pub(super) struct World {
     open_object: Option<String>,
     /// The kinds of shapes that are not known, and how many there were of each.
     unknown_shapes: Vec<(String, u64)>,
+    /// The names of directives that are not known.
+    unknown_directives: HashSet<String>,
 }
 
 impl World {
@@ -46,6 +48,7 @@ impl World {
             objects: HashMap::new(),
             open_object: None,
             unknown_shapes: Vec::new(),
+            unknown_directives: HashSet::new(),
         };
         (world, default)
     }
@@ -173,6 +176,17 @@ impl World {
             self.builder.add_instance(object, placement.clone()).map_err(error)?;
         }
         Ok(())
+    }
+
+    /// A directive that is none of `known`: warns of the first of each name, which may be a misspelling that changes the
+    /// scene.
+    pub(super) fn unknown_directive(&mut self, here: Here<'_>, name: &str, known: impl Iterator<Item = &'static str>) {
+        if self.unknown_directives.len() < MAX_WARNINGS && self.unknown_directives.insert(name.to_owned()) {
+            let hint = did_you_mean(name, known);
+            let name = text(name.as_bytes());
+            let (path, place) = (here.path.display(), Place::Line(here.line));
+            self.warn(format!("{path}: {place}{name} is no known directive: skipped with its parameters{hint}"));
+        }
     }
 
     fn count_unknown_shape(&mut self, kind: &str) {

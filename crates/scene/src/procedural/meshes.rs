@@ -9,39 +9,17 @@
 //! Every generator fails with [`MeshError::TooLarge`], before it allocates, where the vertices or triangles would be
 //! more than 32-bit indices can name. Below that, memory is the caller's care: 12 bytes a vertex and 12 a triangle.
 
+mod icosphere;
+mod loft;
+
 use std::collections::HashMap;
 use std::f64::consts::{PI, TAU};
 
 use geometry::glam::{DVec2, DVec3};
 use geometry::{MeshError, TriangleMesh};
 
-/// A closed sphere whose distance from the center is `radius(direction)`: an icosahedron, each triangle of which is
-/// split into four, `subdivisions` times. 20 · 4ⁿ triangles of nearly equal size.
-///
-/// # Errors
-/// [`MeshError::TooLarge`].
-pub fn icosphere(subdivisions: u32, mut radius: impl FnMut(DVec3) -> f64) -> Result<TriangleMesh, MeshError> {
-    let count = 4_usize.checked_pow(subdivisions).and_then(|n| n.checked_mul(20));
-    check_count("triangles", count)?;
-    let mut directions: Vec<DVec3> = icosahedron_vertices().map(DVec3::normalize).to_vec();
-    let mut triangles = ICOSAHEDRON.to_vec();
-    for _ in 0..subdivisions {
-        let mut middles = HashMap::new();
-        let mut middle = |a: u32, b: u32| {
-            *middles.entry((a.min(b), a.max(b))).or_insert_with(|| {
-                directions.push((directions[a as usize] + directions[b as usize]).normalize());
-                directions.len() as u32 - 1
-            })
-        };
-        let mut split = Vec::with_capacity(4 * triangles.len());
-        for [a, b, c] in triangles {
-            let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));
-            split.extend([[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]);
-        }
-        triangles = split;
-    }
-    TriangleMesh::new(directions.iter().map(|&d| (d * radius(d)).as_vec3()).collect(), triangles)
-}
+pub use self::icosphere::icosphere;
+use self::loft::{Ends, around_y, circle, loft};
 
 /// A closed sphere of longitudes and latitudes whose distance from the center is `radius(direction)`: `rings` circles
 /// of `segments` vertices each, between two poles on the y axis; 2 · `rings` · `segments` triangles. With random radii
@@ -227,61 +205,6 @@ pub fn smooth_path(points: &[DVec3], steps: usize) -> Vec<DVec3> {
     path
 }
 
-/// What lies before the first and after the last ring of a [`loft`].
-enum Ends {
-    /// The first ring follows the last.
-    Joined,
-    /// A fan around a point at each end.
-    Closed([DVec3; 2]),
-}
-
-/// A surface of `rings` closed polygons of `sides` vertices, with two triangles for each quad between neighbours. The
-/// outside is where the sides run counter-clockwise around the direction in which the rings follow each other.
-fn loft(
-    rings: usize,
-    sides: usize,
-    ends: &Ends,
-    mut point: impl FnMut(usize, usize) -> DVec3,
-) -> Result<TriangleMesh, MeshError> {
-    check_count("vertices", rings.checked_mul(sides).and_then(|n| n.checked_add(2)))?;
-    check_count("triangles", rings.checked_mul(sides).and_then(|n| n.checked_mul(2)))?;
-    let mut positions = Vec::with_capacity(rings * sides + 2);
-    for ring in 0..rings {
-        positions.extend((0..sides).map(|side| point(ring, side).as_vec3()));
-    }
-    let index = |ring: usize, side: usize| (ring % rings * sides + side % sides) as u32;
-    let mut triangles = Vec::with_capacity(2 * rings * sides);
-    let bands = if matches!(ends, Ends::Joined) { rings } else { rings.saturating_sub(1) };
-    for ring in 0..bands {
-        for side in 0..sides {
-            let [a, b] = [side, side + 1].map(|side| index(ring, side));
-            let [d, c] = [side, side + 1].map(|side| index(ring + 1, side));
-            triangles.extend([[a, b, c], [a, c, d]]);
-        }
-    }
-    if let Ends::Closed(poles) = ends
-        && rings > 0
-    {
-        let lower = positions.len() as u32;
-        positions.extend(poles.map(|p| p.as_vec3()));
-        triangles.extend((0..sides).map(|side| [lower, index(0, side + 1), index(0, side)]));
-        triangles.extend((0..sides).map(|side| [lower + 1, index(rings - 1, side), index(rings - 1, side + 1)]));
-    }
-    TriangleMesh::new(positions, triangles)
-}
-
-/// The point of (radius, height) at `segment` of `segments` around the y axis, counter-clockwise as seen from above.
-fn around_y(at: DVec2, segment: usize, segments: usize) -> DVec3 {
-    let (sin, cos) = libm::sincos(TAU * segment as f64 / segments as f64);
-    DVec3::new(at.x * cos, at.y, -at.x * sin)
-}
-
-/// Point `side` of `sides` on the unit circle of a frame's two axes.
-fn circle([x, y]: [DVec3; 2], side: usize, sides: usize) -> DVec3 {
-    let (sin, cos) = libm::sincos(TAU * side as f64 / sides as f64);
-    cos * x + sin * y
-}
-
 /// At each point of the path two unit vectors across it; each frame is the one before, turned with the path.
 fn transported_frames(path: &[DVec3]) -> Vec<[DVec3; 2]> {
     let mut tangent = DVec3::Y;
@@ -302,24 +225,6 @@ fn check_count(what: &'static str, count: Option<usize>) -> Result<(), MeshError
         count => Err(MeshError::TooLarge { what, count: count.unwrap_or(usize::MAX) }),
     }
 }
-
-fn icosahedron_vertices() -> [DVec3; 12] {
-    let g = (1.0 + 5.0_f64.sqrt()) / 2.0;
-    let signs = [(-1.0, g), (1.0, g), (-1.0, -g), (1.0, -g)];
-    std::array::from_fn(|i| {
-        let (one, g) = signs[i % 4];
-        DVec3::from_array([[one, g, 0.0], [0.0, one, g], [g, 0.0, one]][i / 4])
-    })
-}
-
-/// In the order of [`icosahedron_vertices`].
-#[rustfmt::skip]
-const ICOSAHEDRON: [[u32; 3]; 20] = [
-    [0, 11, 5], [0, 5, 1], [0, 1, 7], [0, 7, 10], [0, 10, 11],
-    [1, 5, 9], [5, 11, 4], [11, 10, 2], [10, 7, 6], [7, 1, 8],
-    [3, 9, 4], [3, 4, 2], [3, 2, 6], [3, 6, 8], [3, 8, 9],
-    [4, 9, 5], [2, 4, 11], [6, 2, 10], [8, 6, 7], [9, 8, 1],
-];
 
 #[cfg(test)]
 mod tests;

@@ -4,6 +4,7 @@ mod damage;
 mod files;
 mod shapes;
 mod surfaces;
+mod tokens;
 mod transforms;
 
 use std::path::Path;

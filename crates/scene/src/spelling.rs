@@ -1,7 +1,7 @@
-//! What somebody may have meant.
+//! What somebody may have meant: the known names nearest to one that is not known.
 
 /// "; did you mean ...?" with the up to three of `known` that are nearest to `name`, or nothing where none is near.
-pub(super) fn did_you_mean<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> String {
+pub(crate) fn did_you_mean<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> String {
     let length = name.chars().take(LONGEST).count();
     let mut near: Vec<(usize, &str)> = known.into_iter().map(|k| (distance(name, k), k)).collect();
     near.retain(|&(distance, _)| distance <= 1 + length / 3);
@@ -21,7 +21,7 @@ pub(super) fn did_you_mean<'a>(name: &str, known: impl IntoIterator<Item = &'a s
 const LONGEST: usize = 48;
 
 /// Levenshtein's distance, capital letters aside.
-fn distance(a: &str, b: &str) -> usize {
+pub(crate) fn distance(a: &str, b: &str) -> usize {
     let characters = |s: &str| s.chars().take(LONGEST).map(|c| c.to_ascii_lowercase()).collect::<Vec<_>>();
     let (a, b) = (characters(a), characters(b));
     let mut row: Vec<usize> = (0..=b.len()).collect();

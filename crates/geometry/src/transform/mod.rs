@@ -1,8 +1,12 @@
 //! Affine transforms, in f64.
 
+mod linear;
+
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 use thiserror::Error;
 
+use self::linear::{apply, inverse};
+pub(crate) use self::linear::{apply3, multiply3};
 use crate::{Bounds3, SurfacePoint, TraversalRay, round_down, round_up};
 
 /// The relative error of one rounding in f64.
@@ -245,113 +249,5 @@ impl Transform {
     }
 }
 
-// Written out, so that the same operations run in the same order on every target (glam's own may use FMA).
-
-pub(crate) fn apply3(m: &DMat3, v: DVec3) -> DVec3 {
-    m.x_axis * v.x + m.y_axis * v.y + m.z_axis * v.z
-}
-
-fn apply(m: &DAffine3, p: DVec3) -> DVec3 {
-    apply3(&m.matrix3, p) + m.translation
-}
-
-pub(crate) fn multiply3(a: &DMat3, b: &DMat3) -> DMat3 {
-    DMat3::from_cols(apply3(a, b.x_axis), apply3(a, b.y_axis), apply3(a, b.z_axis))
-}
-
-/// The inverse by cofactors; of a permutation, mirroring or power-of-two scaling exactly. `None` where a column scale or
-/// the determinant is zero. Columns are scaled to a largest entry in [1, 2) first, so that nothing overflows.
-fn inverse(m: &DAffine3) -> Option<DAffine3> {
-    let columns = [m.matrix3.x_axis, m.matrix3.y_axis, m.matrix3.z_axis];
-    let scales = columns.map(|c| {
-        let largest = c.abs().max_element();
-        if largest == 0.0 { 0.0 } else { 1.0 / libm::exp2(f64::from(libm::ilogb(largest))) }
-    });
-    let [a, b, c] = [columns[0] * scales[0], columns[1] * scales[1], columns[2] * scales[2]];
-    let (bc, ca, ab) = (b.cross(c), c.cross(a), a.cross(b));
-    let det = a.dot(bc);
-    if det == 0.0 {
-        return None;
-    }
-    let rows = [bc / det * scales[0], ca / det * scales[1], ab / det * scales[2]];
-    let matrix3 = DMat3::from_cols(rows[0], rows[1], rows[2]).transpose();
-    Some(DAffine3 { matrix3, translation: -apply3(&matrix3, m.translation) })
-}
-
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::Ray;
-
-    #[test]
-    fn what_cannot_be_inverted_is_refused() {
-        assert!(matches!(Transform::scale(DVec3::new(1.0, 0.0, 1.0)), Err(TransformError::Singular { .. })));
-        assert!(matches!(Transform::scale(DVec3::new(1.0, f64::NAN, 1.0)), Err(TransformError::NotFinite)));
-        let rank_one = [[1.0, 2.0, 3.0, 0.0], [2.0, 4.0, 6.0, 0.0], [3.0, 6.0, 9.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
-        assert!(matches!(Transform::from_rows(rank_one), Err(TransformError::Singular { .. })));
-        let projective = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
-        assert!(matches!(Transform::from_rows(projective), Err(TransformError::NotAffine(_))));
-        assert!(Transform::scale(DVec3::new(1e-6, 1.0, 1e6)).is_ok());
-        assert!(Transform::scale(DVec3::splat(1e-100)).is_ok());
-    }
-
-    #[test]
-    fn quarter_turns_mirrors_and_powers_of_two_are_exact() {
-        let t = Transform::rotate(90.0, DVec3::Z).expect("valid");
-        assert_eq!(t.point(DVec3::X), DVec3::Y);
-        let t = Transform::scale(DVec3::new(-2.0, 0.5, 1024.0)).expect("valid");
-        assert_eq!(t.inverse().point(t.point(DVec3::new(0.1, 0.2, 0.3))), DVec3::new(0.1, 0.2, 0.3));
-        assert!(t.swaps_handedness());
-    }
-
-    #[test]
-    fn composition_and_inverse() {
-        let t = Transform::translate(DVec3::new(1.0, 2.0, 3.0)).expect("valid");
-        let r = Transform::rotate(30.0, DVec3::new(1.0, 1.0, 0.0)).expect("valid");
-        let tr = t.then_inside(&r).expect("valid");
-        let p = DVec3::new(0.3, -0.4, 0.5);
-        assert!((tr.point(p) - t.point(r.point(p))).length() < 1e-14);
-        assert!((tr.inverse().point(tr.point(p)) - p).length() < 1e-14);
-    }
-
-    #[test]
-    fn t_means_the_same_in_both_spaces() {
-        let t = Transform::scale(DVec3::splat(4.0)).expect("valid");
-        let world = TraversalRay::new(&Ray::new([8.0, 0.0, 0.0], [-1.0, 0.0, 0.0])).expect("valid");
-        let object = t.ray_to_object(&world).expect("valid");
-        assert_eq!(object.ray().origin, Vec3::new(2.0, 0.0, 0.0));
-        assert_eq!(object.ray().direction, Vec3::new(-0.25, 0.0, 0.0));
-    }
-
-    #[test]
-    fn normals_keep_their_side_when_mirrored() {
-        let t = Transform::scale(DVec3::new(-1.0, 2.0, 3.0)).expect("valid");
-        let (p, n) = (DVec3::new(1.0, 1.0, 1.0), DVec3::new(1.0, 1.0, 0.0));
-        let outside = t.point(p + 1e-3 * n) - t.point(p);
-        assert!(t.normal(n).dot(outside) > 0.0);
-    }
-
-    #[test]
-    fn look_at_is_pbrts() {
-        let t = Transform::look_at(DVec3::new(0.0, 0.0, -5.0), DVec3::ZERO, DVec3::Y).expect("valid");
-        assert_eq!(t.point(DVec3::ZERO), DVec3::new(0.0, 0.0, 5.0));
-        assert!(Transform::look_at(DVec3::ZERO, DVec3::Y, DVec3::Y).is_err());
-    }
-
-    #[test]
-    fn bounds_contain_the_image_of_every_corner() {
-        let b = Bounds3::new(Vec3::new(-1.3, 0.1, 2.7), Vec3::new(4.1, 0.3, 9.9));
-        for i in 0..100 {
-            let axis = DVec3::new(1.0, f64::from(i) * 0.1, -0.5);
-            let r = Transform::rotate(f64::from(i) * 7.3, axis).expect("valid");
-            let t = Transform::translate(DVec3::new(1e5, -3.0, 1e-3)).expect("valid").then_inside(&r).expect("valid");
-            let image = t.bounds(&b);
-            for c in b.corners() {
-                let p = t.point(c.as_dvec3());
-                assert!(p.cmpge(image.min.as_dvec3()).all() && p.cmple(image.max.as_dvec3()).all());
-            }
-        }
-        assert!(Transform::IDENTITY.bounds(&Bounds3::EMPTY).is_empty());
-        assert!(Transform::IDENTITY.bounds(&b).contains(&b));
-    }
-}
+mod tests;
