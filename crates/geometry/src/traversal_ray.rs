@@ -1,6 +1,6 @@
 //! A valid ray with what box and triangle tests need of it, computed once.
 
-use glam::{DVec3, Vec3, Vec4};
+use glam::{DVec3, DVec4, Vec3, Vec4};
 
 use crate::{Bounds3, Interval, Ray};
 
@@ -16,16 +16,19 @@ const PADDING: f32 = 6.0 * f32::EPSILON;
 ///
 /// Origin and direction are also kept in f64: a ray that went into an instance's object space was transformed in f64
 /// and rounded to f32 once, for the f32 tests.
+///
+/// Vectors have a fourth component, so that any axis number below four is in range.
 #[derive(Clone, Copy, Debug)]
 pub struct TraversalRay {
-    ray: Ray,
-    origin64: DVec3,
-    direction64: DVec3,
-    /// Reciprocals of the direction, shrunk towards zero and finite: for the planes through which the ray enters.
-    reciprocal_near: Vec4,
-    /// Reciprocals of the direction, widened; infinite for a zero component: for the planes through which it leaves.
-    reciprocal_far: Vec4,
-    pub(crate) shear: Shear,
+    /// The fourth is the time.
+    origin: Vec4,
+    direction: Vec4,
+    /// Reciprocals of the direction: first shrunk towards zero and finite, for the planes through which the ray enters;
+    /// then widened, and infinite for a zero component, for the planes through which it leaves.
+    reciprocals: [Vec4; 2],
+    shear: Shear,
+    origin64: DVec4,
+    direction64: DVec4,
     is_rounded: bool,
 }
 
@@ -44,6 +47,8 @@ pub struct Shear {
     pub sx: f32,
     /// d[ky] / d[kz], rounded.
     pub sy: f32,
+    /// 1 / d[kz], rounded; infinite where that is beyond f32.
+    pub rdz: f32,
 }
 
 impl TraversalRay {
@@ -51,47 +56,63 @@ impl TraversalRay {
     /// zero.
     #[inline]
     pub fn new(ray: &Ray) -> Option<Self> {
-        is_valid(ray).then(|| Self::prepare(*ray, ray.origin.as_dvec3(), ray.direction.as_dvec3(), false))
+        let (o, d) = (ray.origin.extend(ray.time), ray.direction.extend(1.0));
+        is_valid(o, d).then(|| Self::prepare(o, d, o.as_dvec4(), d.as_dvec4(), false))
     }
 
     /// Prepares a ray that is known in f64, rounding it to f32 once; `None` as for [`new`](Self::new), with the rounded
     /// components.
     pub fn from_f64(origin64: DVec3, direction64: DVec3, time: f32) -> Option<Self> {
-        let ray = Ray { origin: origin64.as_vec3(), direction: direction64.as_vec3(), time };
-        let is_rounded = origin64 != ray.origin.as_dvec3() || direction64 != ray.direction.as_dvec3();
-        is_valid(&ray).then(|| Self::prepare(ray, origin64, direction64, is_rounded))
+        let (o64, d64) = (origin64.extend(time.into()), direction64.extend(1.0));
+        let (o, d) = (o64.as_vec4(), d64.as_vec4());
+        let is_rounded = o64 != o.as_dvec4() || d64 != d.as_dvec4();
+        is_valid(o, d).then(|| Self::prepare(o, d, o64, d64, is_rounded))
     }
 
     #[inline]
-    fn prepare(ray: Ray, origin64: DVec3, direction64: DVec3, is_rounded: bool) -> Self {
-        let reciprocal = ray.direction.extend(1.0).recip();
+    fn prepare(origin: Vec4, direction: Vec4, origin64: DVec4, direction64: DVec4, is_rounded: bool) -> Self {
+        let reciprocal = direction.recip();
         // The near reciprocal of a zero (or denormal) component must stay finite: it then never over-estimates the
         // entry, where an infinite one would turn an origin in the plane into NaN.
         let near = (reciprocal * (1.0 - PADDING)).min(Vec4::splat(f32::MAX)).max(Vec4::splat(-f32::MAX));
-        Self {
-            ray,
-            origin64,
-            direction64,
-            reciprocal_near: near,
-            reciprocal_far: reciprocal * (1.0 + PADDING),
-            shear: Shear::new(ray.direction),
-            is_rounded,
-        }
+        let reciprocals = [near, reciprocal * (1.0 + PADDING)];
+        Self { origin, direction, reciprocals, shear: Shear::new(direction), origin64, direction64, is_rounded }
     }
 
     /// The ray in f32.
-    pub fn ray(&self) -> &Ray {
-        &self.ray
+    #[inline]
+    pub fn ray(&self) -> Ray {
+        Ray { origin: self.origin.truncate(), direction: self.direction.truncate(), time: self.origin.w }
     }
 
     /// The origin in f64; exactly the f32 origin unless the ray was transformed.
+    #[inline]
     pub fn origin64(&self) -> DVec3 {
-        self.origin64
+        self.origin64.truncate()
     }
 
     /// The direction in f64; exactly the f32 direction unless the ray was transformed.
+    #[inline]
     pub fn direction64(&self) -> DVec3 {
-        self.direction64
+        self.direction64.truncate()
+    }
+
+    /// The time of the ray.
+    #[inline]
+    pub fn time(&self) -> f32 {
+        self.origin.w
+    }
+
+    /// The origin, and the time.
+    #[inline]
+    pub fn origin_and_time(&self) -> Vec4 {
+        self.origin
+    }
+
+    /// The direction, and 1.
+    #[inline]
+    pub fn direction_and_one(&self) -> Vec4 {
+        self.direction
     }
 
     /// Whether the f32 ray is not exactly the f64 one: it was transformed.
@@ -100,40 +121,39 @@ impl TraversalRay {
         self.is_rounded
     }
 
-    /// The reciprocals of the direction for the planes through which the ray enters a box: smaller in size by 6 ulp, and
-    /// finite.
+    /// The reciprocals of the direction, and then a number near 1, twice: for the planes through which the ray enters a
+    /// box, smaller in size by 6 ulp and finite; for those through which it leaves, larger by 6 ulp, and infinite for a
+    /// component of zero.
     #[inline]
-    pub fn reciprocal_near(&self) -> Vec3 {
-        self.reciprocal_near.truncate()
-    }
-
-    /// The reciprocals of the direction for the planes through which the ray leaves a box: larger in size by 6 ulp, and
-    /// infinite for a component of zero.
-    #[inline]
-    pub fn reciprocal_far(&self) -> Vec3 {
-        self.reciprocal_far.truncate()
+    pub fn reciprocals(&self) -> &[Vec4; 2] {
+        &self.reciprocals
     }
 
     /// The shear that makes the ray an axis.
     #[inline]
-    pub fn shear(&self) -> Shear {
-        self.shear
+    pub fn shear(&self) -> &Shear {
+        &self.shear
     }
 
-    /// The time of the ray.
-    pub fn time(&self) -> f32 {
-        self.ray.time
+    /// Origin and direction in f64 in the order of the shear: kx, ky, kz.
+    #[inline(always)]
+    pub(crate) fn permuted64(&self) -> [[f64; 3]; 2] {
+        let Shear { kx, ky, kz, .. } = self.shear;
+        let (o, d): (&[f64; 4], &[f64; 4]) = (self.origin64.as_ref(), self.direction64.as_ref());
+        [[o[kx & 3], o[ky & 3], o[kz & 3]], [d[kx & 3], d[ky & 3], d[kz & 3]]]
     }
 
     /// The reciprocals of the direction, without padding: for the naive kernels only.
     pub(crate) fn reciprocal(&self) -> Vec3 {
-        self.ray.direction.recip()
+        self.direction.truncate().recip()
     }
 
     /// For each axis, whether the ray runs towards smaller coordinates: the sign bit of the direction, so that −0.0 is
     /// as consistent as any other value.
+    #[inline]
     pub fn direction_is_negative(&self) -> [bool; 3] {
-        self.ray.direction.to_array().map(f32::is_sign_negative)
+        let signs = self.direction.is_negative_bitmask();
+        [signs & 1 != 0, signs & 2 != 0, signs & 4 != 0]
     }
 
     /// Where the ray enters `bounds` within `interval`, or `None` where it passes by.
@@ -147,13 +167,13 @@ impl TraversalRay {
         let mut entry = interval.t_min();
         let mut exit = interval.t_max().min(f32::MAX);
         for i in 0..3 {
-            let (near_plane, far_plane) = if self.ray.direction[i].is_sign_negative() {
+            let (near_plane, far_plane) = if self.direction[i].is_sign_negative() {
                 (bounds.max[i], bounds.min[i])
             } else {
                 (bounds.min[i], bounds.max[i])
             };
-            let near = (near_plane - self.ray.origin[i]) * self.reciprocal_near[i];
-            let far = (far_plane - self.ray.origin[i]) * self.reciprocal_far[i];
+            let near = (near_plane - self.origin[i]) * self.reciprocals[0][i];
+            let far = (far_plane - self.origin[i]) * self.reciprocals[1][i];
             // The comparison fails for NaN, which then bounds nothing.
             entry = if near > entry { near } else { entry };
             exit = if far < exit { far } else { exit };
@@ -162,24 +182,23 @@ impl TraversalRay {
     }
 }
 
-/// Whether everything is finite and the direction is not zero.
+/// Whether everything is finite and the direction, of which the fourth component is 1, is not zero.
 #[inline]
-fn is_valid(ray: &Ray) -> bool {
-    let (o, d) = (ray.origin.extend(ray.time), ray.direction.extend(0.0));
-    o.is_finite() && d.is_finite() && d != Vec4::ZERO
+fn is_valid(origin: Vec4, direction: Vec4) -> bool {
+    origin.is_finite() && direction.is_finite() && direction != Vec4::W
 }
 
 impl Shear {
     /// Without branches, which random directions would make the processor guess wrong.
     #[inline]
-    fn new(direction: Vec3) -> Self {
+    fn new(direction: Vec4) -> Self {
         let d = direction.abs();
         let of_xy = if d.y > d.x { (d.y, 1) } else { (d.x, 0) };
         let kz = if d.z > of_xy.0 { 2 } else { of_xy.1 };
         // The axes after kz, two bits for each kz.
         let (kx, ky) = (0b00_10_01 >> (2 * kz) & 3, 0b01_00_10 >> (2 * kz) & 3);
-        let d = direction.extend(1.0).to_array();
-        Self { kx, ky, kz, sx: d[kx] / d[kz], sy: d[ky] / d[kz] }
+        let d = direction.to_array();
+        Self { kx, ky, kz, sx: d[kx] / d[kz], sy: d[ky] / d[kz], rdz: 1.0 / d[kz] }
     }
 }
 

@@ -68,7 +68,7 @@ pub fn triangle_bounds(vertices: &[Vec3; 3]) -> Bounds3 {
 /// Whether the sheared ray passes through the closed triangle: all edge functions of one sign, and not all zero.
 #[inline]
 fn is_inside(ray: &TraversalRay, vertices: &[Vec3; 3]) -> bool {
-    let (shear, o) = (&ray.shear, ray.ray().origin);
+    let (shear, o) = (ray.shear(), ray.ray().origin);
     let [a, b, c] = vertices.map(|v| {
         let p = v - o;
         let x = p[shear.kx] - shear.sx * p[shear.kz];
@@ -98,7 +98,7 @@ impl Weights {
     /// the weights by twice the clamped sum at most. `None` where the plane is edge-on even in f64.
     #[inline]
     fn of_plane_hit(ray: &TraversalRay, vertices: &[Vec3; 3]) -> Option<Self> {
-        let shear = &ray.shear;
+        let shear = ray.shear();
         let (o, d) = (ray.origin64(), ray.direction64());
         let (sx, sy) = (d[shear.kx] / d[shear.kz], d[shear.ky] / d[shear.kz]);
         let mut x = [0.0; 3];
@@ -144,7 +144,7 @@ fn plane_t(ray: &TraversalRay, vertices: &[Vec3; 3], z: [f64; 3]) -> Option<f64>
     if n == DVec3::ZERO {
         return None;
     }
-    let dz = ray.direction64()[ray.shear.kz];
+    let dz = ray.direction64()[ray.shear().kz];
     let depths = z.map(|z| z / dz);
     let nearest = depths[0].min(depths[1]).min(depths[2]);
     let farthest = depths[0].max(depths[1]).max(depths[2]);

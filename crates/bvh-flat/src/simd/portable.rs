@@ -43,6 +43,10 @@ impl Lanes for Portable {
         *x
     }
     #[inline(always)]
+    fn load_row(rows: &[f32; 64], at: usize) -> F {
+        std::array::from_fn(|i| rows[(at & 56) + i])
+    }
+    #[inline(always)]
     fn load_vertices(leaf: &[f32; LEAF_NUMBERS], count: usize, axis: usize) -> [F; 3] {
         let (count, axis) = (count & 15, axis & 3);
         [0, 1, 2].map(|vertex| {

@@ -77,7 +77,7 @@ pub(crate) struct Node<'a>(&'a [Line; NODE_LINES]);
 
 impl<'a> Node<'a> {
     #[inline(always)]
-    pub(crate) fn planes(self) -> &'a [[f32; LANES]; 8] {
+    pub(crate) fn planes(self) -> &'a [f32; 64] {
         bytemuck::must_cast_ref(self.0)
     }
 

@@ -1,6 +1,7 @@
 //! What the box test of eight lanes needs of a ray.
 
 use geometry::TraversalRay;
+use geometry::glam::Vec4;
 
 use super::arena::Node;
 use crate::simd::{LANES, Lanes};
@@ -10,9 +11,9 @@ use crate::simd::{LANES, Lanes};
 #[inline(always)]
 pub(crate) fn is_regular(ray: &TraversalRay) -> bool {
     const LIMIT: f32 = (1_u64 << 62) as f32;
-    let (o, d, r) = (ray.ray().origin.abs(), ray.ray().direction.abs(), ray.reciprocal_far().abs());
-    let largest = o.max(d).max(r);
-    largest.x.max(largest.y).max(largest.z) <= LIMIT
+    let limit = Vec4::splat(LIMIT);
+    let is_below = |v: Vec4| v.abs().cmple(limit);
+    (is_below(ray.origin_and_time()) & is_below(ray.direction_and_one()) & is_below(ray.reciprocals()[1])).all()
 }
 
 /// A ray for the box test, in lanes: the reciprocals of its direction, shrunk where it enters a slab and widened where it
@@ -34,7 +35,9 @@ pub(crate) struct BoxLanes<L: Lanes> {
     /// The origin, or −q of the regular form.
     near_from: [L::F32; 3],
     far_from: [L::F32; 3],
-    near_row: [usize; 3],
+    /// Where the near planes of each axis begin among the numbers of a node; the far ones are the other eight.
+    near_at: [usize; 3],
+    octant: u32,
     t_min: L::F32,
     t_max: L::F32,
 }
@@ -49,31 +52,31 @@ impl<L: Lanes> BoxLanes<L> {
     /// `REGULAR` must only be set for a ray that is.
     #[inline(always)]
     pub(crate) fn new<const REGULAR: bool>(ray: &TraversalRay, t_min: f32, t_max: f32) -> Self {
-        let (o, d) = (ray.ray().origin, ray.ray().direction.to_array());
-        let (near, far) = (ray.reciprocal_near(), ray.reciprocal_far());
+        let [near, far] = ray.reciprocals();
         // For entering and leaving, in one.
-        let r = L::load(&[near.x, near.y, near.z, 0.0, far.x, far.y, far.z, 0.0]);
-        let o = L::load(&[o.x, o.y, o.z, 0.0, o.x, o.y, o.z, 0.0]);
+        let r = L::load(bytemuck::must_cast_ref(ray.reciprocals()));
+        let o = L::load(&bytemuck::must_cast([ray.origin_and_time(); 2]));
         let from = if REGULAR && L::FUSED {
             let q = L::mul(o, r);
-            let outward = L::load(&[-1.0, -1.0, -1.0, 0.0, 1.0, 1.0, 1.0, 0.0]);
+            let outward = L::load(&[-1.0, -1.0, -1.0, -1.0, 1.0, 1.0, 1.0, 1.0]);
             let width = L::mul_add(L::abs(q), L::splat(2.0 * f32::EPSILON), L::splat(f32::MIN_POSITIVE));
             L::to_array(L::mul_sub(width, outward, q))
         } else if ray.is_rounded() {
-            let s = d.map(|d| 1.0_f32.copysign(d));
-            let outward = L::load(&[s[0], s[1], s[2], 0.0, -s[0], -s[1], -s[2], 0.0]);
+            let sign = Vec4::ONE.copysign(ray.direction_and_one());
+            let outward = L::load(&bytemuck::must_cast([sign, -sign]));
             let width = L::mul_add(L::abs(o), L::splat(2.0 * f32::EPSILON), L::splat(f32::MIN_POSITIVE));
             L::to_array(L::mul_add(width, outward, o))
         } else {
             L::to_array(o)
         };
-        let is_negative = d.map(|d| usize::from(d.is_sign_negative()));
+        let signs = ray.direction_and_one().is_negative_bitmask() as usize;
         Self {
             near: [L::splat(near.x), L::splat(near.y), L::splat(near.z)],
             far: [L::splat(far.x), L::splat(far.y), L::splat(far.z)],
             near_from: [L::splat(from[0]), L::splat(from[1]), L::splat(from[2])],
             far_from: [L::splat(from[4]), L::splat(from[5]), L::splat(from[6])],
-            near_row: [is_negative[0], 2 + is_negative[1], 4 + is_negative[2]],
+            near_at: [8 * (signs & 1), 16 + 4 * (signs & 2), 32 + 2 * (signs & 4)],
+            octant: signs as u32 & 7,
             t_min: L::splat(t_min),
             t_max: L::splat(t_max.min(f32::MAX)),
         }
@@ -82,8 +85,7 @@ impl<L: Lanes> BoxLanes<L> {
     /// The ray's octant: bit i is set where the direction's component i is negative.
     #[inline(always)]
     pub(crate) fn octant(&self) -> u32 {
-        let [x, y, z] = self.near_row;
-        (x & 1 | (y & 1) << 1 | (z & 1) << 2) as u32
+        self.octant
     }
 
     #[inline(always)]
@@ -93,12 +95,12 @@ impl<L: Lanes> BoxLanes<L> {
 
     #[inline(always)]
     pub(crate) fn slabs<const REGULAR: bool>(&self, node: Node<'_>) -> Slabs<L> {
-        let planes: &[[f32; LANES]; 8] = node.planes();
+        let planes = node.planes();
         let mut near = [self.t_min; 3];
         let mut far = [self.t_max; 3];
         for i in 0..3 {
-            let (near_row, far_row) = (self.near_row[i] & 7, (self.near_row[i] & 7) ^ 1);
-            let (a, b) = (L::load(&planes[near_row]), L::load(&planes[far_row]));
+            let a = L::load_row(planes, self.near_at[i]);
+            let b = L::load_row(planes, self.near_at[i] ^ LANES);
             if REGULAR && L::FUSED {
                 near[i] = L::mul_add(a, self.near[i], self.near_from[i]);
                 far[i] = L::mul_add(b, self.far[i], self.far_from[i]);

@@ -3,12 +3,11 @@
 mod arena;
 mod box_ray;
 mod collapse;
+mod queries;
 mod traverse;
 mod triangle_ray;
 mod triangles;
 
-pub(crate) use arena::Child;
 pub(crate) use collapse::{WideTree, collapse};
-pub(crate) use traverse::{Query, Traversal};
-pub(crate) use triangle_ray::{Candidates, TriangleRay};
-pub(crate) use triangles::{TriangleBlocks, TriangleLeaf};
+pub(crate) use queries::{All, Any, Asked, Closest, Values};
+pub(crate) use triangles::TriangleBlocks;

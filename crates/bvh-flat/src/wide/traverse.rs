@@ -7,7 +7,7 @@ use geometry::{Interval, TraversalRay};
 use super::arena::{Arena, Child};
 use super::box_ray::{BoxLanes, is_regular};
 use crate::MAX_DEPTH;
-use crate::simd::{Kernel, Lanes, Stack};
+use crate::simd::{Lanes, Stack};
 
 /// A wide tree is no deeper than the binary one that it was made of, whose large leaves may have been divided, by 13
 /// levels at most; each level leaves seven children on the stack, and eight are written at once.
@@ -26,28 +26,24 @@ pub(crate) trait Query {
     fn node(&mut self) {}
 }
 
-/// A query and a tree, as a kernel.
-pub(crate) struct Traversal<'a, Q> {
+/// A tree and a ray's way through it.
+pub(crate) struct Traversal<'a> {
     pub(crate) arena: &'a Arena,
     pub(crate) root: Option<Child>,
     pub(crate) ray: &'a TraversalRay,
     pub(crate) interval: Interval,
-    pub(crate) query: &'a mut Q,
 }
 
-impl<Q: Query> Kernel for Traversal<'_, Q> {
-    type Output = ();
-
+impl Traversal<'_> {
+    /// Shows `query` the leaves that the ray comes to.
     #[inline(always)]
-    fn run<L: Lanes>(self) {
-        if is_regular(self.ray) { self.traverse::<L, true>() } else { self.traverse::<L, false>() }
+    pub(crate) fn run<L: Lanes>(&self, query: &mut impl Query) {
+        if is_regular(self.ray) { self.traverse::<L, true, _>(query) } else { self.traverse::<L, false, _>(query) }
     }
-}
 
-impl<Q: Query> Traversal<'_, Q> {
     #[inline(always)]
-    fn traverse<L: Lanes, const REGULAR: bool>(self) {
-        let Self { arena, root: Some(root), ray, interval, query } = self else { return };
+    fn traverse<L: Lanes, const REGULAR: bool, Q: Query>(&self, query: &mut Q) {
+        let &Self { arena, root: Some(root), ray, interval } = self else { return };
         if interval.is_empty() {
             return;
         }

@@ -34,17 +34,17 @@ pub(crate) struct Candidates {
 impl TriangleRay {
     #[inline(always)]
     pub(crate) fn new(ray: &TraversalRay) -> Self {
-        let (shear, o, d) = (ray.shear(), ray.ray().origin, ray.ray().direction);
-        let (o, d) = ([o.x, o.y, o.z, 0.0], [d.x, d.y, d.z, 1.0]);
+        let (shear, o) = (ray.shear(), ray.origin_and_time().to_array());
         let k = [shear.kx & 3, shear.ky & 3, shear.kz & 3];
-        Self {
-            k,
-            o: [o[k[0]], o[k[1]], o[k[2]]],
-            sx: shear.sx,
-            sy: shear.sy,
-            rdz: 1.0 / d[k[2]],
-            origin_error: if ray.is_rounded() { 20.0 * U * o[0].abs().max(o[1].abs()).max(o[2].abs()) } else { 0.0 },
-        }
+        let o = [o[k[0]], o[k[1]], o[k[2]]];
+        let origin_error = if ray.is_rounded() { 20.0 * U * o[0].abs().max(o[1].abs()).max(o[2].abs()) } else { 0.0 };
+        Self { k, o, sx: shear.sx, sy: shear.sy, rdz: shear.rdz, origin_error }
+    }
+
+    /// The axes in the order of the shear.
+    #[inline(always)]
+    pub(crate) fn axes(&self) -> [usize; 3] {
+        self.k
     }
 
     /// The candidates among the `count` triangles of a leaf, whose numbers lie as [`TriangleBlocks`] writes them.
@@ -56,7 +56,7 @@ impl TriangleRay {
     /// coordinates: one rounding in each p, three in Sₓ (of a direction that was rounded), one in the product (none where it
     /// is fused), one in the difference; an edge function by 4Rδ + 4uR². The sheared coordinates of a triangle that the ray meets are at most 2D, so
     ///
-    ///   E = u (56 D |A_z| + 128 D²)
+    ///   E = u (64 D |A_z| + 144 D²)
     ///
     /// is more than the error of its edge functions, and a triangle with edge functions below −E and above E is missed.
     /// Nothing is known yet of the other triangles. Those with |A_x|, |A_y| <= 2.25 D have R <= 4.25 D, and their errors
@@ -79,7 +79,7 @@ impl TriangleRay {
         let e2 = L::mul_sub(bx, ay, L::mul(by, ax));
         let d = leaf[0];
         let tiny = f32::MIN_POSITIVE;
-        let error = L::mul_add(L::abs(az), L::splat(56.0 * U * d), L::splat(d * (128.0 * U * d + self.origin_error) + tiny));
+        let error = L::mul_add(L::abs(az), L::splat(64.0 * U * d), L::splat(d * (144.0 * U * d + self.origin_error) + tiny));
         let low = L::min(e0, L::min(e1, e2));
         let high = L::max(e0, L::max(e1, e2));
         let missed = L::lt(low, L::neg(error)) & L::lt(error, high);

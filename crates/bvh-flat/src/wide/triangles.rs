@@ -84,6 +84,17 @@ impl<'a> TriangleLeaf<'a> {
         ]
     }
 
+    /// The coordinates of the vertices along three axes.
+    #[inline(always)]
+    pub(crate) fn permuted(&self, lane: usize, [x, y, z]: [usize; 3]) -> [[f32; 3]; 3] {
+        let number = |i: usize| self.numbers[(1 + i * self.count + lane) & 127];
+        [
+            [number(x), number(y), number(z)],
+            [number(3 + x), number(3 + y), number(3 + z)],
+            [number(6 + x), number(6 + y), number(6 + z)],
+        ]
+    }
+
     /// The number of a triangle in its mesh.
     #[inline(always)]
     pub(crate) fn primitive(&self, lane: usize) -> u32 {

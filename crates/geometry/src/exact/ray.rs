@@ -46,7 +46,7 @@ impl ExactRay {
     }
 
     /// Prepares a ray for triangles that another filter has left undecided, wherever they are.
-    #[inline]
+    #[inline(always)]
     pub fn unfiltered(ray: &TraversalRay) -> Self {
         let line = Line { origin: ray.origin64(), direction: ray.direction64() };
         Self { line, frame: Frame::new(ray), edge_error: f64::INFINITY }
@@ -159,10 +159,13 @@ impl ExactRay {
         TriangleHit { t, u: unit_f32(b[0]), v: unit_f32(b[1]) }
     }
 
-    /// The [`values`](Self::values) of a triangle that the ray is known to hit.
-    #[inline]
-    pub fn values_of_hit(&self, vertices: &[Vec3; 3]) -> TriangleHit {
-        let sheared = self.frame.shear(vertices);
+    /// The [`values`](Self::values) of a triangle that the ray is known to hit, given by the coordinates of its vertices in
+    /// the order kx, ky, kz of the ray's [shear](TraversalRay::shear).
+    ///
+    /// Compiled in place, so that a kernel for wider registers has it in its own instructions.
+    #[inline(always)]
+    pub fn values_of_hit(&self, vertices: &[[f32; 3]; 3]) -> TriangleHit {
+        let sheared = self.frame.shear_permuted(vertices);
         match (sheared.t(self.frame.rdz()), sheared.barycentrics()) {
             (Some(t), Some(b)) => TriangleHit { t, u: unit_f32(b[0]), v: unit_f32(b[1]) },
             _ => self.values_of_difficult_hit(vertices),
@@ -171,8 +174,9 @@ impl ExactRay {
 
     #[cold]
     #[inline(never)]
-    fn values_of_difficult_hit(&self, vertices: &[Vec3; 3]) -> TriangleHit {
-        self.values(vertices, &self.enclose(vertices), &mut ())
+    fn values_of_difficult_hit(&self, vertices: &[[f32; 3]; 3]) -> TriangleHit {
+        let vertices = self.frame.unpermuted(vertices);
+        self.values(&vertices, &self.enclose(&vertices), &mut ())
     }
 
     fn round_t(&self, vertices: &[Vec3; 3], hit: &Enclosure, tier: &mut Tier) -> f32 {
@@ -195,7 +199,8 @@ impl ExactRay {
 }
 
 /// Rounded into [0, 1], and not to −0.
-#[inline]
+#[inline(always)]
 fn unit_f32(x: f64) -> f32 {
-    (x.clamp(0.0, 1.0) + 0.0) as f32
+    let x = if x > 0.0 { x } else { 0.0 };
+    (if x < 1.0 { x } else { 1.0 }) as f32
 }

@@ -49,14 +49,12 @@ pub(super) struct Sheared {
 }
 
 impl Frame {
-    #[inline]
+    #[inline(always)]
     pub(super) fn new(ray: &TraversalRay) -> Self {
-        let Shear { kx, ky, kz, .. } = ray.shear();
-        let (o, d) = (ray.origin64(), ray.direction64());
-        let (o, d) = ([o.x, o.y, o.z, 0.0], [d.x, d.y, d.z, 1.0]);
-        let rdz = 1.0 / d[kz & 3];
-        let origin = [o[kx & 3], o[ky & 3], o[kz & 3]];
-        Self { kx, ky, kz, origin, sx: d[kx & 3] * rdz, sy: d[ky & 3] * rdz, rdz }
+        let &Shear { kx, ky, kz, .. } = ray.shear();
+        let [origin, d] = ray.permuted64();
+        let rdz = 1.0 / d[2];
+        Self { kx, ky, kz, origin, sx: d[0] * rdz, sy: d[1] * rdz, rdz }
     }
 
     /// One over the largest component of the direction.
@@ -78,29 +76,47 @@ impl Frame {
 
     #[inline]
     pub(super) fn shear(&self, vertices: &[Vec3; 3]) -> Sheared {
-        let mut sheared = Sheared { x: [0.0; 3], y: [0.0; 3], z: [0.0; 3], edges: [0.0; 3] };
-        for (i, v) in vertices.iter().enumerate() {
+        self.shear_permuted(&vertices.map(|v| {
             let v = [v.x, v.y, v.z, 0.0];
-            let z = f64::from(v[self.kz & 3]) - self.origin[2];
-            sheared.x[i] = f64::from(v[self.kx & 3]) - self.origin[0] - self.sx * z;
-            sheared.y[i] = f64::from(v[self.ky & 3]) - self.origin[1] - self.sy * z;
+            [v[self.kx & 3], v[self.ky & 3], v[self.kz & 3]]
+        }))
+    }
+
+    /// Vertices whose coordinates are in the order kx, ky, kz.
+    #[inline(always)]
+    pub(super) fn shear_permuted(&self, vertices: &[[f32; 3]; 3]) -> Sheared {
+        let mut sheared = Sheared { x: [0.0; 3], y: [0.0; 3], z: [0.0; 3], edges: [0.0; 3] };
+        for i in 0..3 {
+            let [x, y, z] = vertices[i];
+            let z = f64::from(z) - self.origin[2];
+            sheared.x[i] = f64::from(x) - self.origin[0] - self.sx * z;
+            sheared.y[i] = f64::from(y) - self.origin[1] - self.sy * z;
             sheared.z[i] = z;
         }
         let (x, y) = (&sheared.x, &sheared.y);
         sheared.edges = [x[2] * y[1] - y[2] * x[1], x[0] * y[2] - y[0] * x[2], x[1] * y[0] - y[1] * x[0]];
         sheared
     }
+
+    /// Vertices in the order x, y, z again.
+    pub(super) fn unpermuted(&self, vertices: &[[f32; 3]; 3]) -> [Vec3; 3] {
+        vertices.map(|p| {
+            let mut v = Vec3::ZERO;
+            (v[self.kx], v[self.ky], v[self.kz]) = (p[0], p[1], p[2]);
+            v
+        })
+    }
 }
 
 /// The larger of two numbers, neither of them NaN.
-#[inline]
+#[inline(always)]
 fn larger(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
 }
 
 impl Sheared {
     /// The smallest and the largest edge function.
-    #[inline]
+    #[inline(always)]
     pub(super) fn edge_range(&self) -> [f64; 2] {
         let [a, b, c] = self.edges;
         // The comparisons fail for NaN, which cannot be: everything is finite.
@@ -110,6 +126,7 @@ impl Sheared {
 
     /// A bound on the errors of these edge functions: with R >= X, Y and Z bounding the coordinates,
     /// |pₓ| <= R + Z and so δ <= 2u R + 7u Z, here 8u (R + Z); and E <= δ (4.5 R + 2δ), here 5 δ (R + δ).
+    #[inline(always)]
     pub(super) fn edge_error(&self) -> f64 {
         let largest = |v: &[f64; 3]| larger(larger(v[0].abs(), v[1].abs()), v[2].abs());
         let (r, z) = (larger(largest(&self.x), largest(&self.y)), largest(&self.z));
@@ -121,7 +138,7 @@ impl Sheared {
     ///
     /// Each is wrong by (E + 3E |bᵢ|) / (Σe − 3E) at most, 4E / Σe to first order, and by four roundings. (A bound that
     /// rounding to f32 would hide, 2⁻²⁸, was too much: it sent every triangle 10⁵ times its size away to exact numbers.)
-    #[inline]
+    #[inline(always)]
     pub(super) fn barycentrics(&self) -> Option<[f64; 2]> {
         let [e0, e1, e2] = self.edges;
         let sum = e0 + e1 + e2;
@@ -134,7 +151,7 @@ impl Sheared {
     /// A mean of the depths Z, whose weights are wrong by 6E / (|Σe| − 3E) together, here 8E / |Σe|. The roundings: one in
     /// each z, three in the sum of products and two in Σe, of which all terms have one sign but for what E covers; two
     /// reciprocals, two products. Here 16u Z.
-    #[inline]
+    #[inline(always)]
     pub(super) fn t(&self, rdz: f64) -> Option<f32> {
         let ([e0, e1, e2], [z0, z1, z2]) = (self.edges, self.z);
         let sum = e0 + e1 + e2;
