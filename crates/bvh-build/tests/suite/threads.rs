@@ -1,11 +1,15 @@
 //! The same bytes on any number of threads.
 
-use bvh_build::{BuildConfig, NodeKind, SplitAxes, SplitMethod, Tree};
+use bvh_build::{BuildConfig, NodeKind, Reinsertion, SplitAxes, SplitMethod, Tree};
 
 /// Each method, and what else there is to choose.
 pub(crate) fn configs() -> Vec<(&'static str, BuildConfig)> {
     let mut configs: Vec<_> = SplitMethod::ALL.map(|method| (method.name(), BuildConfig::new(method))).into();
     configs.push(("all axes", BuildConfig::default().with_axes(SplitAxes::All).with_buckets(32)));
+    configs.push(("high quality", BuildConfig::high_quality()));
+    let thorough = Some(Reinsertion::new(2, 1.0));
+    configs.push(("equal counts, moved", BuildConfig::new(SplitMethod::EqualCounts).with_reinsertion(thorough)));
+    configs.push(("hlbvh, moved", BuildConfig::new(SplitMethod::Hlbvh).with_reinsertion(thorough)));
     configs
 }
 
