@@ -7,7 +7,7 @@ use crate::observer::observed;
 use crate::prim_info::PrimInfo;
 use crate::recursive::{Group, Rules};
 use crate::subtree::Subtree;
-use crate::{BuildConfig, BuildError, BuildObserver, Phase, SplitMethod, Tree, hlbvh};
+use crate::{BuildConfig, BuildError, BuildObserver, Node, Phase, SplitMethod, Tree, hlbvh, merge, reinsertion};
 
 /// The tree over `bounds`; see [`build_observed`].
 ///
@@ -33,20 +33,68 @@ pub fn build_observed(
     config.validate()?;
     check_count(bounds.len())?;
     let mut prims = observed(observer, Phase::Bounds, || PrimInfo::active(bounds));
+    let inactive = bounds.len() - prims.len();
+    let (mut nodes, mut order) = match config.reinsertion {
+        None => grow(&mut prims, config, observer),
+        // Subtrees can only be moved where they are not leaves yet.
+        Some(_) => grow(&mut prims, &config.with_max_primitives_in_leaf(1), observer),
+    };
+    drop(prims);
+    if let Some(reinsertion) = &config.reinsertion {
+        (nodes, order) = observed(observer, Phase::Reinsertion, || {
+            let (nodes, order) = reinsertion::optimize(nodes, order, reinsertion, observer);
+            merge::leaves(nodes, order, config)
+        });
+    }
+    Ok(finish(nodes, order, inactive, config, observer))
+}
+
+impl Tree {
+    /// The tree after reinsertion, by the [options](BuildConfig::reinsertion) of `config` or the default ones, while
+    /// `observer` is told of it and may say that it is enough (see [`BuildObserver::reinserted`]).
+    ///
+    /// Leaves are the same, in another order; the cost is not larger; the tree is the same, bit for bit, on any number
+    /// of threads. A tree of small leaves gains most. The statistics are by the costs of `config`, of which nothing else
+    /// counts. See [`BuildConfig::reinsertion`] for the way to build such a tree at once.
+    ///
+    /// # Errors
+    /// [`BuildError::InvalidConfig`].
+    pub fn optimized(self, config: &BuildConfig, observer: &dyn BuildObserver) -> Result<Self, BuildError> {
+        config.validate()?;
+        let inactive = self.statistics().inactive_count as usize;
+        let (nodes, order) = self.into_parts();
+        let options = config.reinsertion.unwrap_or_default();
+        let (nodes, order) =
+            observed(observer, Phase::Reinsertion, || reinsertion::optimize(nodes, order, &options, observer));
+        Ok(finish(nodes, order, inactive, config, observer))
+    }
+}
+
+/// The nodes and the order of the tree over `prims`.
+fn grow(prims: &mut Vec<PrimInfo>, config: &BuildConfig, observer: &dyn BuildObserver) -> (Vec<Node>, Vec<u32>) {
     let root = match config.split_method {
         _ if prims.is_empty() => Subtree::default(),
-        SplitMethod::Hlbvh => hlbvh::build(&mut prims, config, observer),
+        SplitMethod::Hlbvh => hlbvh::build(prims, config, observer),
         SplitMethod::Sah | SplitMethod::Middle | SplitMethod::EqualCounts => {
             observed(observer, Phase::Recursion, || {
-                Subtree::grow(Group::new(&mut prims, 0, &Rules::new(config, MAX_DEPTH)), 1)
+                Subtree::grow(Group::new(prims, 0, &Rules::new(config, MAX_DEPTH)), 1)
             })
         }
     };
-    let (nodes, order) = observed(observer, Phase::Assembly, || root.assemble(&prims));
-    let inactive = bounds.len() - prims.len();
+    observed(observer, Phase::Assembly, || root.assemble(prims))
+}
+
+/// The tree of `nodes` with its statistics, as the observer is told.
+fn finish(
+    nodes: Vec<Node>,
+    order: Vec<u32>,
+    inactive: usize,
+    config: &BuildConfig,
+    observer: &dyn BuildObserver,
+) -> Tree {
     let tree = observed(observer, Phase::Statistics, || Tree::new(nodes, order, inactive, config));
     observer.built(tree.statistics());
-    Ok(tree)
+    tree
 }
 
 fn check_count(count: usize) -> Result<(), BuildError> {

@@ -1,6 +1,6 @@
 //! How a tree is to be built.
 
-use crate::BuildError;
+use crate::{BuildError, Reinsertion};
 
 /// How a node's primitives are divided between its children: pbrt's four ways.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -83,6 +83,11 @@ pub struct BuildConfig {
     pub axes: SplitAxes,
     /// The length of the Morton codes; only [`SplitMethod::Hlbvh`] uses it.
     pub morton_bits: MortonBits,
+    /// Whether the tree is optimised by reinsertion, and for how long. With it, a build first makes leaves of one
+    /// primitive each, whatever the method; moves subtrees; and then merges leaves, up to
+    /// [`max_primitives_in_leaf`](Self::max_primitives_in_leaf), where the heuristic says that this is cheaper. Default
+    /// `None`.
+    pub reinsertion: Option<Reinsertion>,
 }
 
 impl Default for BuildConfig {
@@ -108,7 +113,22 @@ impl BuildConfig {
             buckets: 12,
             axes: SplitAxes::Dominant,
             morton_bits: MortonBits::Auto,
+            reinsertion: None,
         }
+    }
+
+    /// A good tree in little time: [`SplitMethod::Sah`] over 32 buckets on all axes.
+    pub const fn balanced() -> Self {
+        Self::new(SplitMethod::Sah).with_buckets(32).with_axes(SplitAxes::All)
+    }
+
+    /// A better tree in about twice to three times the time: [`SplitMethod::Sah`] over 64 buckets on all axes, then
+    /// [`Reinsertion`].
+    pub const fn high_quality() -> Self {
+        Self::new(SplitMethod::Sah)
+            .with_buckets(64)
+            .with_axes(SplitAxes::All)
+            .with_reinsertion(Some(Reinsertion::new(3, 0.1)))
     }
 
     /// The same with another [`max_primitives_in_leaf`](Self::max_primitives_in_leaf).
@@ -136,6 +156,11 @@ impl BuildConfig {
         Self { morton_bits, ..self }
     }
 
+    /// The same with or without reinsertion.
+    pub const fn with_reinsertion(self, reinsertion: Option<Reinsertion>) -> Self {
+        Self { reinsertion, ..self }
+    }
+
     pub(crate) fn validate(&self) -> Result<(), BuildError> {
         if !(1..=MAX_LEAF).contains(&self.max_primitives_in_leaf) {
             return Err(BuildError::InvalidConfig {
@@ -159,7 +184,7 @@ impl BuildConfig {
                 return Err(BuildError::InvalidConfig { parameter, value, requirement });
             }
         }
-        Ok(())
+        self.reinsertion.map_or(Ok(()), |reinsertion| reinsertion.validate())
     }
 }
 
@@ -171,6 +196,10 @@ mod tests {
     fn only_sensible_parameters_are_accepted() {
         assert_eq!(BuildConfig::default().validate(), Ok(()));
         assert_eq!(BuildConfig::default().with_costs(0.0, 0.0).validate(), Ok(()));
+        assert_eq!(BuildConfig::balanced().validate(), Ok(()));
+        assert_eq!(BuildConfig::high_quality().validate(), Ok(()));
+        assert_eq!(BuildConfig::high_quality().reinsertion, Some(Reinsertion::default()));
+        assert_eq!(BuildConfig::default().with_reinsertion(Some(Reinsertion::new(0, 1.0))).validate(), Ok(()));
         for bad in [
             BuildConfig::default().with_max_primitives_in_leaf(0),
             BuildConfig::default().with_max_primitives_in_leaf(65_536),
@@ -179,6 +208,9 @@ mod tests {
             BuildConfig::default().with_costs(-1.0, 1.0),
             BuildConfig::default().with_costs(f32::NAN, 1.0),
             BuildConfig::default().with_costs(1.0, f32::INFINITY),
+            BuildConfig::default().with_reinsertion(Some(Reinsertion::new(1, 0.0))),
+            BuildConfig::default().with_reinsertion(Some(Reinsertion::new(1, 1.0_f32.next_up()))),
+            BuildConfig::default().with_reinsertion(Some(Reinsertion::new(1, f32::NAN))),
         ] {
             assert!(matches!(bad.validate(), Err(BuildError::InvalidConfig { .. })), "{bad:?}");
         }

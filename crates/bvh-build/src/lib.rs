@@ -35,6 +35,10 @@
 //!   whose 12 highest bits agree, which are those of one cell of a 16 × 16 × 16 grid, make a *treelet* that way, in
 //!   parallel and without any search; the tree above the treelets is built by the surface area heuristic.
 //!
+//! Beyond the chapter, [`Reinsertion`] takes subtrees of a finished tree out and puts them back where they cost less
+//! (Meister and Bittner 2018): as a step of the build, of which [`BuildConfig::high_quality`] is an example, or for as
+//! long as an observer lets it ([`Tree::optimized`]).
+//!
 //! ```
 //! use bvh_build::geometry::{Bounds3, glam::Vec3};
 //! use bvh_build::{BuildConfig, NodeKind, SplitMethod, build};
@@ -63,11 +67,13 @@ mod config;
 mod depth;
 mod error;
 mod hlbvh;
+mod merge;
 mod morton;
 mod observer;
 mod parallel;
 mod prim_info;
 mod recursive;
+mod reinsertion;
 mod small;
 mod split;
 mod subtree;
@@ -79,4 +85,5 @@ pub use depth::MAX_DEPTH;
 pub use error::BuildError;
 pub use geometry;
 pub use observer::{BuildObserver, Phase};
+pub use reinsertion::{Reinsertion, ReinsertionProgress};
 pub use tree::{Node, NodeKind, Tree, TreeStatistics};

@@ -1,6 +1,8 @@
 //! What a build tells about its progress.
 
-use crate::TreeStatistics;
+use std::ops::ControlFlow;
+
+use crate::{ReinsertionProgress, TreeStatistics};
 
 /// A part of a build. Phases do not overlap; which of them take place, and in what order, depends on the split method.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -21,12 +23,14 @@ pub enum Phase {
     UpperTree,
     /// Putting all nodes into one array, depth first.
     Assembly,
+    /// Moving subtrees to better places ([`Reinsertion`](crate::Reinsertion)), and merging leaves after it.
+    Reinsertion,
     /// Computing the statistics.
     Statistics,
 }
 
 /// Is told where each phase of a build begins and ends, always on the thread that called
-/// [`build_observed`](crate::build_observed). The library reads no clock; an observer may.
+/// [`build_observed`](crate::build_observed) or [`Tree::optimized`](crate::Tree::optimized). The library reads no clock; an observer may.
 pub trait BuildObserver: Sync {
     /// `phase` begins now.
     fn begin(&self, phase: Phase) {
@@ -36,6 +40,14 @@ pub trait BuildObserver: Sync {
     /// `phase` has ended.
     fn end(&self, phase: Phase) {
         let _ = phase;
+    }
+
+    /// Reinsertion has come so far: many times in a pass, after a part of its candidates that does not depend on the
+    /// number of threads. The answer `Break` ends it with the tree as it is then, which is valid at any time. An
+    /// observer with a deadline answers by its clock.
+    fn reinserted(&self, progress: &ReinsertionProgress) -> ControlFlow<()> {
+        let _ = progress;
+        ControlFlow::Continue(())
     }
 
     /// A tree is complete.

@@ -30,7 +30,7 @@ pub struct Node {
 pub enum NodeKind {
     /// Two children: the first directly behind this node, the second further on.
     Interior {
-        /// The axis along which the primitives were divided: the first child has the lower ones.
+        /// The axis along which the children were divided: the first one is the lower.
         axis: Axis,
         /// The index of the second child.
         second_child: u32,
@@ -90,6 +90,10 @@ impl Tree {
     /// The same indices, taken out of the tree.
     pub fn into_order(self) -> Vec<u32> {
         self.order
+    }
+
+    pub(crate) fn into_parts(self) -> (Vec<Node>, Vec<u32>) {
+        (self.nodes, self.order)
     }
 
     /// What the tree is like.

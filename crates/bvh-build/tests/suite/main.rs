@@ -3,6 +3,7 @@
 mod check;
 mod invariance;
 mod matrix;
+mod reinsertion;
 mod scenes;
 mod small_stack;
 mod threads;

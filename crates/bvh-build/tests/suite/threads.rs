@@ -1,11 +1,15 @@
 //! The same bytes on any number of threads.
 
-use bvh_build::{BuildConfig, NodeKind, SplitAxes, SplitMethod, Tree};
+use bvh_build::{BuildConfig, NodeKind, Reinsertion, SplitAxes, SplitMethod, Tree};
 
 /// Each method, and what else there is to choose.
 pub(crate) fn configs() -> Vec<(&'static str, BuildConfig)> {
     let mut configs: Vec<_> = SplitMethod::ALL.map(|method| (method.name(), BuildConfig::new(method))).into();
     configs.push(("all axes", BuildConfig::default().with_axes(SplitAxes::All).with_buckets(32)));
+    configs.push(("high quality", BuildConfig::high_quality()));
+    let thorough = Some(Reinsertion::new(2, 1.0));
+    configs.push(("equal counts, moved", BuildConfig::new(SplitMethod::EqualCounts).with_reinsertion(thorough)));
+    configs.push(("hlbvh, moved", BuildConfig::new(SplitMethod::Hlbvh).with_reinsertion(thorough)));
     configs
 }
 
@@ -48,13 +52,22 @@ fn the_bytes_of_a_tree_are_known() {
     use bvh_build::build;
 
     let bounds = crate::scenes::uniform(10_000, 1);
-    let digests = SplitMethod::ALL.map(|method| {
-        let tree = build(&bounds, &BuildConfig::new(method)).expect("valid");
+    let [sah, hlbvh, middle, equal_counts] = SplitMethod::ALL.map(BuildConfig::new);
+    let configs = [sah, hlbvh, middle, equal_counts, BuildConfig::balanced(), BuildConfig::high_quality()];
+    let digests = configs.map(|config| {
+        let tree = build(&bounds, &config).expect("valid");
         // FNV-1a over words.
         bits(&tree)
             .iter()
             .fold(0xcbf2_9ce4_8422_2325_u64, |hash, &word| (hash ^ u64::from(word)).wrapping_mul(0x0000_0100_0000_01b3))
     });
-    let known = [0xcd32_9ab1_9452_6a82, 0xac87_d6b8_66e4_b6c3, 0x2f7d_fbfd_586d_d2af, 0x4a30_2862_0cd3_5758];
+    let known = [
+        0xcd32_9ab1_9452_6a82,
+        0xac87_d6b8_66e4_b6c3,
+        0x2f7d_fbfd_586d_d2af,
+        0x4a30_2862_0cd3_5758,
+        0x621d_03e7_3b09_5b09,
+        0xa952_02a2_51e6_6df1,
+    ];
     assert_eq!(digests, known, "{digests:#018x?}");
 }

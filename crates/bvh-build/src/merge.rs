@@ -1,0 +1,136 @@
+//! Leaves of several primitives, where these cost less than a subtree.
+
+use crate::{BuildConfig, Node, NodeKind};
+
+/// The tree of `nodes` and `order` with each subtree made a leaf whose primitives are cheaper to test at once, and fit
+/// a leaf: the largest such subtrees, of equal costs the leaf. Costs are those of the surface area heuristic.
+pub(crate) fn leaves(mut nodes: Vec<Node>, mut order: Vec<u32>, config: &BuildConfig) -> (Vec<Node>, Vec<u32>) {
+    if config.max_primitives_in_leaf == 1 {
+        return (nodes, order);
+    }
+    let subtrees = rate(&nodes, config);
+    let mut kept = 0;
+    // Interior nodes whose second child is to come, the next one last: where they were to find it, and where they are.
+    let mut pending: Vec<(usize, usize)> = Vec::new();
+    let mut next = 0;
+    while next < nodes.len() {
+        if let Some((_, parent)) = pending.pop_if(|&mut (second, _)| second == next)
+            && let NodeKind::Interior { second_child, .. } = &mut nodes[parent].kind
+        {
+            *second_child = kept as u32;
+        }
+        let (node, subtree) = (nodes[next], &subtrees[next]);
+        let kind = match node.kind {
+            NodeKind::Interior { second_child, .. } if !subtree.is_leaf => {
+                pending.push((second_child as usize, kept));
+                next += 1;
+                node.kind
+            }
+            _ => {
+                next += subtree.node_count as usize;
+                let (first, count) = (subtree.first, subtree.count);
+                order[first as usize..][..count as usize].sort_unstable();
+                NodeKind::Leaf { first, count }
+            }
+        };
+        nodes[kept] = Node { kind, ..node };
+        kept += 1;
+    }
+    nodes.truncate(kept);
+    (nodes, order)
+}
+
+/// What is below a node.
+#[derive(Clone, Copy, Default)]
+struct Subtree {
+    node_count: u32,
+    /// The range of its primitives.
+    first: u32,
+    count: u32,
+    /// Whether it becomes a leaf, or is one.
+    is_leaf: bool,
+    /// The least cost, times the node's area.
+    cost: f64,
+}
+
+fn rate(nodes: &[Node], config: &BuildConfig) -> Vec<Subtree> {
+    let [t_trav, t_isect] = [config.traversal_cost, config.intersection_cost].map(f64::from);
+    let mut subtrees = vec![Subtree::default(); nodes.len()];
+    for (i, node) in nodes.iter().enumerate().rev() {
+        let area = node.bounds.surface_area();
+        let as_leaf = |count: u32| area * f64::from(count) * t_isect;
+        subtrees[i] = match node.kind {
+            NodeKind::Leaf { first, count } => {
+                Subtree { node_count: 1, first, count, is_leaf: true, cost: as_leaf(count) }
+            }
+            NodeKind::Interior { second_child, .. } => {
+                let [a, b] = [subtrees[i + 1], subtrees[second_child as usize]];
+                let count = a.count + b.count;
+                let split = area * t_trav + a.cost + b.cost;
+                let is_leaf = count <= config.max_primitives_in_leaf && as_leaf(count) <= split;
+                let cost = if is_leaf { as_leaf(count) } else { split };
+                Subtree { node_count: 1 + a.node_count + b.node_count, first: a.first, count, is_leaf, cost }
+            }
+        };
+    }
+    subtrees
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::build;
+    use geometry::Bounds3;
+    use geometry::glam::Vec3;
+
+    /// The least cost of a tree whose leaves are subtrees of this one, times the area, and how many leaves it has.
+    fn naive(nodes: &[Node], i: usize, config: &BuildConfig) -> (f64, u32, u32) {
+        let [t_trav, t_isect] = [config.traversal_cost, config.intersection_cost].map(f64::from);
+        let area = nodes[i].bounds.surface_area();
+        match nodes[i].kind {
+            NodeKind::Leaf { count, .. } => (area * f64::from(count) * t_isect, count, 1),
+            NodeKind::Interior { second_child, .. } => {
+                let [a, b] = [i + 1, second_child as usize].map(|child| naive(nodes, child, config));
+                let count = a.1 + b.1;
+                let [split, leaf] = [area * t_trav + a.0 + b.0, area * f64::from(count) * t_isect];
+                if count <= config.max_primitives_in_leaf && leaf <= split {
+                    (leaf, count, 1)
+                } else {
+                    (split, count, a.2 + b.2)
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_leaves_are_those_of_least_cost() {
+        let mut state = 1_u64;
+        let mut random = || {
+            state = state.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(1);
+            (state >> 40) as f32 / (1 << 24) as f32
+        };
+        let mut merged = 0;
+        for n in [0, 1, 2, 3, 10, 500] {
+            let mut point = || Vec3::new(random(), random(), random());
+            let bounds: Vec<_> = (0..n).map(|_| Bounds3::from_points([point(), point()])).collect();
+            let fine = build(&bounds, &BuildConfig::default().with_max_primitives_in_leaf(1)).expect("valid");
+            for leaf in [1, 2, 4, 100] {
+                for costs in [(0.5, 1.0), (2.0, 1.0), (0.0, 1.0)] {
+                    let config = BuildConfig::default().with_max_primitives_in_leaf(leaf).with_costs(costs.0, costs.1);
+                    let (nodes, order) = leaves(fine.nodes().to_vec(), fine.order().to_vec(), &config);
+                    let coarse = crate::Tree::new(nodes, order, 0, &config);
+                    let statistics = coarse.statistics();
+                    if n > 0 {
+                        let (cost, count, leaf_count) = naive(fine.nodes(), 0, &config);
+                        let cost = cost / coarse.bounds().surface_area();
+                        assert!((statistics.sah_cost - cost).abs() <= 1e-12 * cost, "{n} {config:?}");
+                        assert_eq!((statistics.leaf_count, count), (leaf_count, n));
+                        assert!(statistics.largest_leaf <= leaf);
+                    }
+                    merged += fine.nodes().len() - coarse.nodes().len();
+                }
+            }
+        }
+        assert!(merged > 500, "{merged}");
+    }
+}

@@ -1,0 +1,87 @@
+//! Moving subtrees to where they cost less: Meister and Bittner, *Parallel Reinsertion for Bounding Volume Hierarchy
+//! Optimization* (Computer Graphics Forum 37, 2018), after Bittner, Hapala and Havran, *Fast Insertion-Based
+//! Optimization of Bounding Volume Hierarchies* (2013).
+//!
+//! By the surface area heuristic, a tree with given leaves costs what the areas of its interior nodes come to. Taking a
+//! subtree out and putting it back elsewhere changes the areas on two paths only, so what it gains is known at once, and
+//! a search with a bound finds the best place. As in the paper, many searches run in parallel over a tree that stands
+//! still, and moves are made after them. Beyond it:
+//!
+//! - Candidates are chosen by the most they could gain: what taking them out saves, less their own area, which their new
+//!   parent has at least. Three passes over a tenth of all nodes, in geometric mean over six scenes, take 16.2 % off the
+//!   interior area of a tree by the heuristic over 32 buckets and all axes; eight over a fifth take 16.6 % off.
+//!   Of a twentieth chosen by this bound three passes take 15.8 %, chosen by area 14.8 %.
+//! - Moves are made by one thread, and each is weighed again in the tree as the ones before left it. So no two are in
+//!   conflict, the cost never rises, and the depth of the tree is known before each.
+//! - The most promising candidates come in small blocks, each searched in the tree that the one before left; later
+//!   ones, which hardly meet, in large blocks.
+
+mod block;
+mod candidates;
+mod emit;
+mod moves;
+mod options;
+mod search;
+#[cfg(test)]
+mod tests;
+mod topology;
+
+use std::ops::ControlFlow;
+
+use crate::{BuildObserver, Node, NodeKind};
+use block::Mover;
+use topology::{ROOT, Topology};
+
+pub use options::{Reinsertion, ReinsertionProgress};
+
+/// `nodes` and `order` after reinsertion by `options`. Leaves stay as they are. Areas of interior nodes never add up to
+/// more than before.
+pub(crate) fn optimize(
+    nodes: Vec<Node>,
+    order: Vec<u32>,
+    options: &Reinsertion,
+    observer: &dyn BuildObserver,
+) -> (Vec<Node>, Vec<u32>) {
+    let root_area = nodes.first().map_or(0.0, |root| root.bounds.surface_area());
+    if root_area == 0.0 || nodes.len() < 4 {
+        return (nodes, order);
+    }
+    let mut mover = Mover::new(Topology::new(&nodes));
+    if run(&mut mover, options, observer).is_continue() && mover.moved() == 0 {
+        return (nodes, order);
+    }
+    let optimized = emit::emit(mover.topology(), &nodes, &order);
+    // Moves gain more than rounding loses, but for sums of very many.
+    if interior_area(&optimized.0) < interior_area(&nodes) { optimized } else { (nodes, order) }
+}
+
+/// All passes, unless one moves nothing or the observer has enough.
+fn run(mover: &mut Mover, options: &Reinsertion, observer: &dyn BuildObserver) -> ControlFlow<()> {
+    for pass in 0..options.passes {
+        let candidates = candidates::choose(mover.topology(), options.fraction);
+        let moved_before = mover.moved();
+        let mut examined = 0;
+        while examined < candidates.len() {
+            let end = candidates.len().min(examined + block::size(examined));
+            mover.improve(&candidates[examined..end]);
+            examined = end;
+            observer.reinserted(&ReinsertionProgress {
+                pass,
+                examined: examined as u64,
+                candidates: candidates.len() as u64,
+                moved: mover.moved(),
+                saved: mover.saved() / mover.topology().bounds(ROOT).surface_area(),
+            })?;
+        }
+        if mover.moved() == moved_before {
+            break;
+        }
+    }
+    ControlFlow::Continue(())
+}
+
+/// The areas of all interior nodes together.
+fn interior_area(nodes: &[Node]) -> f64 {
+    let is_interior = |node: &&Node| matches!(node.kind, NodeKind::Interior { .. });
+    nodes.iter().filter(is_interior).map(|node| node.bounds.surface_area()).sum()
+}

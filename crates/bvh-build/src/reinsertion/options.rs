@@ -1,0 +1,55 @@
+//! How long reinsertion goes on, and what it tells meanwhile.
+
+use crate::BuildError;
+
+/// The parameters of reinsertion: an optimisation of a finished tree that takes subtrees out and puts them back where
+/// they cost less (Meister and Bittner 2018).
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Reinsertion {
+    /// How many times candidates are chosen and better places for them looked for. Fewer where one of these passes
+    /// moves nothing. Default 3.
+    pub passes: u32,
+    /// The candidates of a pass as a part of all nodes: those that could gain most, and 64 in any case. More than 0 and
+    /// at most 1; default 0.1.
+    pub fraction: f32,
+}
+
+impl Default for Reinsertion {
+    fn default() -> Self {
+        Self::new(3, 0.1)
+    }
+}
+
+impl Reinsertion {
+    /// So many passes over such a part of all nodes.
+    pub const fn new(passes: u32, fraction: f32) -> Self {
+        Self { passes, fraction }
+    }
+
+    pub(crate) fn validate(&self) -> Result<(), BuildError> {
+        if 0.0 < self.fraction && self.fraction <= 1.0 {
+            return Ok(());
+        }
+        let requirement = "more than 0 and at most 1";
+        Err(BuildError::InvalidConfig { parameter: "reinsertion.fraction", value: self.fraction, requirement })
+    }
+}
+
+/// How far reinsertion has come.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct ReinsertionProgress {
+    /// The number of the pass, from 0.
+    pub pass: u32,
+    /// How many candidates of the pass have been examined.
+    pub examined: u64,
+    /// How many candidates the pass has.
+    pub candidates: u64,
+    /// How many subtrees have been moved, in all passes.
+    pub moved: u64,
+    /// What that saves, in all passes: interior area as a part of the root's. Times
+    /// [`traversal_cost`](crate::BuildConfig::traversal_cost), it is by how much the tree's
+    /// [`sah_cost`](crate::TreeStatistics::sah_cost) got less.
+    pub saved: f64,
+}
