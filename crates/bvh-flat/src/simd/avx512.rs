@@ -85,10 +85,6 @@ impl Lanes for Avx512 {
         op!(_mm256_fmsub_ps(a, b, c))
     }
     #[inline(always)]
-    fn neg_mul_add(a: __m256, b: __m256, c: __m256) -> __m256 {
-        op!(_mm256_fnmadd_ps(a, b, c))
-    }
-    #[inline(always)]
     fn abs(a: __m256) -> __m256 {
         op!(_mm256_andnot_ps(_mm256_set1_ps(-0.0), a))
     }

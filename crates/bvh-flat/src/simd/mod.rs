@@ -57,8 +57,6 @@ pub(crate) trait Lanes: Copy {
     fn mul_add(a: Self::F32, b: Self::F32, c: Self::F32) -> Self::F32;
     /// a b − c.
     fn mul_sub(a: Self::F32, b: Self::F32, c: Self::F32) -> Self::F32;
-    /// c − a b.
-    fn neg_mul_add(a: Self::F32, b: Self::F32, c: Self::F32) -> Self::F32;
     fn abs(a: Self::F32) -> Self::F32;
     fn neg(a: Self::F32) -> Self::F32;
 

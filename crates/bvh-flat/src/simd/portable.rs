@@ -87,10 +87,6 @@ impl Lanes for Portable {
         Self::sub(Self::mul(a, b), c)
     }
     #[inline(always)]
-    fn neg_mul_add(a: F, b: F, c: F) -> F {
-        Self::sub(c, Self::mul(a, b))
-    }
-    #[inline(always)]
     fn abs(a: F) -> F {
         a.map(f32::abs)
     }

@@ -3,7 +3,7 @@
 use std::cmp::Ordering;
 use std::ops::ControlFlow;
 
-use geometry::exact::{Enclosure, ExactRay};
+use geometry::exact::{Enclosure, ExactRay, values_of_hit};
 use geometry::{Hit, HitVisitor, Interval, TraversalRay, TriangleHit, Visit, Work, round_down, round_up};
 
 use super::arena::Child;
@@ -91,7 +91,7 @@ impl Kernel for Values<'_> {
         let leaf = asked.leaf(leaf)?;
         let shear = asked.ray.shear();
         let vertices = leaf.permuted(lane, [shear.kx, shear.ky, shear.kz]);
-        let TriangleHit { t, u, v } = ExactRay::unfiltered(asked.ray).values_of_hit(&vertices);
+        let TriangleHit { t, u, v } = values_of_hit(asked.ray, &vertices);
         Some(Hit { t, u, v, primitive: u64::from(leaf.primitive(lane)) })
     }
 }

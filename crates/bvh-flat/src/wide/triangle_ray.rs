@@ -13,6 +13,7 @@ pub(crate) struct TriangleRay {
     k: [usize; 3],
     /// The origin in the order of `k`.
     o: [f32; 3],
+    /// −Sx and −Sy.
     sx: f32,
     sy: f32,
     /// One over the direction's largest component.
@@ -38,7 +39,7 @@ impl TriangleRay {
         let k = [shear.kx & 3, shear.ky & 3, shear.kz & 3];
         let o = [o[k[0]], o[k[1]], o[k[2]]];
         let origin_error = if ray.is_rounded() { 20.0 * U * o[0].abs().max(o[1].abs()).max(o[2].abs()) } else { 0.0 };
-        Self { k, o, sx: shear.sx, sy: shear.sy, rdz: shear.rdz, origin_error }
+        Self { k, o, sx: -shear.sx, sy: -shear.sy, rdz: shear.rdz, origin_error }
     }
 
     /// The axes in the order of the shear.
@@ -62,8 +63,9 @@ impl TriangleRay {
     /// Nothing is known yet of the other triangles. Those with |A_x|, |A_y| <= 2.25 D have R <= 4.25 D, and their errors
     /// are below 4E: with all edge functions above 4E, or all below −4E, they are hit.
     ///
-    /// t = Σ eᵢ zᵢ / Σ eᵢ / d_z is a mean of depths that differ by D at most. Its weights are wrong by 24E / (|Σe| − 12E)
-    /// together, which is below 40E / |Σe| where |Σe| > 32E; the rest are at most 14 roundings of |A_z| + D.
+    /// t = Σ eᵢ zᵢ / Σ eᵢ / d_z is a mean of the vertices' parameters, so an error of its weights counts with how much these
+    /// differ: little, where a triangle faces the ray. The weights are wrong by 24E / (|Σe| − 12E) together, which is below
+    /// 40E / |Σe| where |Σe| > 32E; the rest are at most 14 roundings of |A_z| + D, and 5 for those of the difference.
     ///
     /// The comparisons are written so that what overflows, and becomes NaN, is neither missed nor certain.
     #[inline(always)]
@@ -92,9 +94,11 @@ impl TriangleRay {
         let extent = L::splat(d);
         let of_depth = L::mul_add(L::add(L::abs(az), extent), L::splat(20.0 * U), L::splat(self.origin_error));
         let of_depth = L::mul(of_depth, L::abs(rdz));
-        let first = L::mul(L::min(az, L::min(bz, cz)), rdz);
-        let last = L::mul(L::max(az, L::max(bz, cz)), rdz);
-        let (first, last) = (L::sub(L::min(first, last), of_depth), L::add(L::max(first, last), of_depth));
+        let a = L::mul(L::min(az, L::min(bz, cz)), rdz);
+        let b = L::mul(L::max(az, L::max(bz, cz)), rdz);
+        let (first, last) = (L::min(a, b), L::max(a, b));
+        let spread = L::sub(last, first);
+        let (first, last) = (L::sub(first, of_depth), L::add(last, of_depth));
         let (t_min, t_max) = (L::splat(t_min), L::splat(t_max));
         let maybe = maybe & !(L::lt(t_max, first) | L::lt(last, t_min));
         if maybe == 0 {
@@ -107,7 +111,7 @@ impl TriangleRay {
             & L::lt(L::max(L::abs(ax), L::abs(ay)), L::splat(2.25 * d));
         let r = L::div(L::splat(1.0), sum);
         let t = L::mul(L::mul(L::mul_add(e0, az, L::mul_add(e1, bz, L::mul(e2, cz))), r), rdz);
-        let of_weights = L::mul(L::mul(L::mul(L::abs(r), error), L::splat(10.0 * d)), L::abs(rdz));
+        let of_weights = L::mul(L::mul(L::abs(r), error), L::mul(spread, L::splat(10.0)));
         let width = L::add(of_weights, of_depth);
         let (low, high) = (L::sub(t, width), L::add(t, width));
         // The ends are finite, or nothing is certain.
@@ -122,6 +126,6 @@ impl TriangleRay {
         let z = L::sub(z, L::splat(self.o[2]));
         let x = L::sub(x, L::splat(self.o[0]));
         let y = L::sub(y, L::splat(self.o[1]));
-        (L::neg_mul_add(L::splat(self.sx), z, x), L::neg_mul_add(L::splat(self.sy), z, y), z)
+        (L::mul_add(L::splat(self.sx), z, x), L::mul_add(L::splat(self.sy), z, y), z)
     }
 }

@@ -30,5 +30,5 @@ mod tier;
 mod tests;
 
 pub use enclosure::Enclosure;
-pub use ray::{ExactRay, intersect_triangle_exact};
+pub use ray::{ExactRay, intersect_triangle_exact, values_of_hit};
 pub use tier::{Tier, TierCounts, TierObserver};

@@ -159,26 +159,6 @@ impl ExactRay {
         TriangleHit { t, u: unit_f32(b[0]), v: unit_f32(b[1]) }
     }
 
-    /// The [`values`](Self::values) of a triangle that the ray is known to hit, given by the coordinates of its vertices in
-    /// the order kx, ky, kz of the ray's [shear](TraversalRay::shear).
-    ///
-    /// Compiled in place, so that a kernel for wider registers has it in its own instructions.
-    #[inline(always)]
-    pub fn values_of_hit(&self, vertices: &[[f32; 3]; 3]) -> TriangleHit {
-        let sheared = self.frame.shear_permuted(vertices);
-        match (sheared.t(self.frame.rdz()), sheared.barycentrics()) {
-            (Some(t), Some(b)) => TriangleHit { t, u: unit_f32(b[0]), v: unit_f32(b[1]) },
-            _ => self.values_of_difficult_hit(vertices),
-        }
-    }
-
-    #[cold]
-    #[inline(never)]
-    fn values_of_difficult_hit(&self, vertices: &[[f32; 3]; 3]) -> TriangleHit {
-        let vertices = self.frame.unpermuted(vertices);
-        self.values(&vertices, &self.enclose(&vertices), &mut ())
-    }
-
     fn round_t(&self, vertices: &[Vec3; 3], hit: &Enclosure, tier: &mut Tier) -> f32 {
         let [mut low, mut high] = hit.rounded();
         if low == high {
@@ -196,6 +176,28 @@ impl ExactRay {
             _ => high,
         }
     }
+}
+
+/// The [values](ExactRay::values) of a triangle that the ray is known to hit, given by the coordinates of its vertices in the
+/// order kx, ky, kz of the ray's [shear](TraversalRay::shear).
+///
+/// Compiled in place, so that a kernel for wider registers has it in its own instructions.
+#[inline(always)]
+pub fn values_of_hit(ray: &TraversalRay, vertices: &[[f32; 3]; 3]) -> TriangleHit {
+    let frame = Frame::new(ray);
+    let sheared = frame.shear_permuted(vertices);
+    match (sheared.t(frame.rdz()), sheared.barycentrics()) {
+        (Some(t), Some(b)) => TriangleHit { t, u: unit_f32(b[0]), v: unit_f32(b[1]) },
+        _ => values_of_difficult_hit(ray, vertices),
+    }
+}
+
+#[cold]
+#[inline(never)]
+fn values_of_difficult_hit(ray: &TraversalRay, vertices: &[[f32; 3]; 3]) -> TriangleHit {
+    let ray = ExactRay::unfiltered(ray);
+    let vertices = ray.frame.unpermuted(vertices);
+    ray.values(&vertices, &ray.enclose(&vertices), &mut ())
 }
 
 /// Rounded into [0, 1], and not to −0.
