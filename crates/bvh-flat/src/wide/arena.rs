@@ -2,7 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use crate::simd::{LANES, LEAF_NUMBERS};
+use crate::simd::{LANES, LEAF_NUMBERS, prefetch};
 
 /// A cache line.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
@@ -125,6 +125,16 @@ impl Arena {
     pub(crate) fn leaf(&self, first: usize) -> Option<&[f32; LEAF_NUMBERS]> {
         let lines: &[Line; LEAF_LINES] = self.lines.get(first..)?.first_chunk()?;
         Some(bytemuck::must_cast_ref(lines))
+    }
+
+    /// Asks for the lines of a node, or the most of a leaf, from line `first` on.
+    #[inline(always)]
+    pub(crate) fn prefetch(&self, first: usize) {
+        if let Some(lines) = self.lines.get(first..).and_then(|lines| lines.first_chunk::<NODE_LINES>()) {
+            for line in lines {
+                prefetch(line);
+            }
+        }
     }
 
     /// Its memory in bytes.

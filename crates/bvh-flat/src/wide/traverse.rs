@@ -75,6 +75,11 @@ impl Traversal<'_> {
                         continue;
                     }
                 } else {
+                    let mut others = met;
+                    while others != 0 {
+                        arena.prefetch(Child(node.children()[others.trailing_zeros() as usize & 7]).place());
+                        others &= others - 1;
+                    }
                     let children = L::load_u32(node.children());
                     let has_room = if Q::ORDERED {
                         let rest = met & (met - 1);
