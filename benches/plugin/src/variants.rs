@@ -3,8 +3,7 @@
 use std::sync::Arc;
 
 use bvh_flat::geometry::{Interval, Ray as GeometryRay, Shape, TraversalRay, TriangleMesh};
-use bvh_flat::bvh_build::SplitAxes;
-use bvh_flat::{BuildConfig, MeshBvh, WideMesh};
+use bvh_flat::{BuildConfig, MeshBvh, SimdWidth, WideMesh};
 
 use crate::{Hit, Ray};
 
@@ -29,11 +28,10 @@ pub const VARIANTS: &[(&str, Build)] = &[
         let bvh = binary(mesh, BuildConfig::default());
         one_by_one(bvh.memory(), bvh)
     }),
-    ("ours watertight", |mesh| {
-        let bvh = binary(mesh, balanced());
-        let wide = WideMesh::new(&bvh).expect("small enough");
-        one_by_one(wide.memory(), wide)
-    }),
+    ("ours watertight", |mesh| wide(mesh, BuildConfig::balanced(), SimdWidth::widest())),
+    ("ours high", |mesh| wide(mesh, BuildConfig::high_quality(), SimdWidth::widest())),
+    ("ours avx2", |mesh| wide(mesh, BuildConfig::balanced(), SimdWidth::avx2().unwrap_or_default())),
+    ("ours portable", |mesh| wide(mesh, BuildConfig::balanced(), SimdWidth::PORTABLE)),
     ("ours exact", |mesh| {
         let bvh = binary(mesh, BuildConfig::default());
         // The exact mesh shares the tree, and has the leaves' vertices once more.
@@ -42,9 +40,11 @@ pub const VARIANTS: &[(&str, Build)] = &[
     }),
 ];
 
-/// Splits along all axes, and leaves for the collapse to make.
-fn balanced() -> BuildConfig {
-    BuildConfig::default().with_max_primitives_in_leaf(1).with_axes(SplitAxes::All).with_buckets(32)
+/// A wide tree, whose leaves the collapse makes.
+fn wide(mesh: &Arc<TriangleMesh>, config: BuildConfig, width: SimdWidth) -> Box<dyn Variant> {
+    let bvh = binary(mesh, config.with_max_primitives_in_leaf(1));
+    let wide = WideMesh::new(&bvh).expect("small enough").with_simd_width(width);
+    one_by_one(wide.memory(), wide)
 }
 
 fn binary(mesh: &Arc<TriangleMesh>, config: BuildConfig) -> MeshBvh {
