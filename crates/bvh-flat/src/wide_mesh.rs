@@ -5,7 +5,11 @@ use std::sync::Arc;
 use geometry::{Bounds3, Hit, HitVisitor, Interval, Shape, SurfacePoint, TraversalRay, TriangleMesh, Visit};
 
 use crate::simd::SimdWidth;
-use crate::wide::{All, Any, Asked, Closest, TriangleBlocks, Values, WideTree, collapse};
+#[cfg(feature = "build")]
+use crate::wide::{MAX_LINES, NODE_LINES};
+use crate::wide::{All, Any, Asked, Closest, TriangleBlocks, WideTree, collapse};
+#[cfg(feature = "build")]
+use crate::{BuildConfig, BuildError, BuildObserver};
 use crate::{FlatBvh, MeshBvh};
 
 /// A triangle mesh with a wide tree over its triangles: nodes of eight children and leaves of up to eight triangles, each
@@ -28,6 +32,34 @@ struct Shared {
 }
 
 impl WideMesh {
+    /// Builds a tree over `mesh`. The leaves are made by cost, of at most eight triangles, whatever
+    /// `config.max_primitives_in_leaf` says.
+    ///
+    /// # Errors
+    /// [`BuildError`] for a configuration that the builder refuses, or a mesh whose tree would be larger than 16 GiB.
+    #[cfg(feature = "build")]
+    pub fn build(mesh: impl Into<Arc<TriangleMesh>>, config: &BuildConfig) -> Result<Self, BuildError> {
+        Self::build_observed(mesh, config, &())
+    }
+
+    /// Builds a tree over `mesh`, telling `observer` of each phase.
+    ///
+    /// # Errors
+    /// As [`build`](Self::build).
+    #[cfg(feature = "build")]
+    pub fn build_observed(
+        mesh: impl Into<Arc<TriangleMesh>>,
+        config: &BuildConfig,
+        observer: &dyn BuildObserver,
+    ) -> Result<Self, BuildError> {
+        let mesh = mesh.into();
+        let bounds: Vec<Bounds3> = (0..mesh.len()).map(|i| mesh.triangle_bounds(i)).collect();
+        let bvh = FlatBvh::build(&bounds, &config.with_max_primitives_in_leaf(1), observer)?;
+        // At most a line for each triangle and a node for each but one always fit; most meshes need a fifth of that.
+        let limit = MAX_LINES / (1 + NODE_LINES);
+        Self::from_tree(&mesh, &bvh).ok_or(BuildError::TooManyPrimitives { count: mesh.len(), limit })
+    }
+
     /// Collapses the tree of a mesh. `None` where it does not fit the 16 GiB that its references can name.
     pub fn new(mesh: &MeshBvh) -> Option<Self> {
         Self::from_tree(mesh.mesh(), mesh.bvh())
@@ -74,9 +106,7 @@ impl Shape for WideMesh {
 
     #[inline]
     fn intersect(&self, ray: &TraversalRay, interval: Interval) -> Option<Hit> {
-        let asked = self.asked(ray, interval);
-        let found = self.width.run(Closest(asked))?;
-        self.width.for_scalars().run(Values(asked, found))
+        self.width.run(Closest(self.asked(ray, interval)))
     }
 
     #[inline]

@@ -71,17 +71,6 @@ impl SimdWidth {
         }
     }
 
-    /// The set to run a kernel on that has no lanes. Not AVX-512: the compiler makes gathers and 64-bit multiplications of
-    /// plain loads there, which cost 6 % of a primary ray.
-    #[inline]
-    pub(crate) const fn for_scalars(self) -> Self {
-        match self.0 {
-            #[cfg(target_arch = "x86_64")]
-            Set::Avx512 => Self(Set::Avx2),
-            set => Self(set),
-        }
-    }
-
     /// Runs `kernel`, compiled for this instruction set.
     #[inline]
     pub(crate) fn run<K: Kernel>(self, kernel: K) -> K::Output {

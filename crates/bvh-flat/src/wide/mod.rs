@@ -8,6 +8,8 @@ mod traverse;
 mod triangle_ray;
 mod triangles;
 
+#[cfg(feature = "build")]
+pub(crate) use arena::{MAX_LINES, NODE_LINES};
 pub(crate) use collapse::{WideTree, collapse};
-pub(crate) use queries::{All, Any, Asked, Closest, Values};
+pub(crate) use queries::{All, Any, Asked, Closest};
 pub(crate) use triangles::TriangleBlocks;

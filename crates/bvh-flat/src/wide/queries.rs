@@ -63,42 +63,29 @@ impl Iterator for LanesOf {
     }
 }
 
-/// Where the closest hit is.
+/// The closest hit.
 pub(crate) struct Closest<'a>(pub(crate) Asked<'a>);
 
 impl Kernel for Closest<'_> {
-    type Output = Option<Found>;
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) -> Option<Found> {
-        let t_max = self.0.interval.t_max();
-        let triangles = TriangleRay::new(self.0.ray);
-        let mut query = ClosestQuery { asked: self.0, triangles, t_max, found: None, enclosure: None };
-        self.0.traversal().run::<L>(&mut query);
-        query.found
-    }
-}
-
-/// The values of the closest hit.
-pub(crate) struct Values<'a>(pub(crate) Asked<'a>, pub(crate) Found);
-
-impl Kernel for Values<'_> {
     type Output = Option<Hit>;
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> Option<Hit> {
-        let Self(asked, Found { leaf, lane, .. }) = self;
-        let leaf = asked.leaf(leaf)?;
-        let shear = asked.ray.shear();
-        let vertices = leaf.permuted(lane, [shear.kx, shear.ky, shear.kz]);
-        let TriangleHit { t, u, v } = values_of_hit(asked.ray, &vertices);
+        let t_max = self.0.interval.t_max();
+        let triangles = TriangleRay::new(self.0.ray);
+        let mut query = ClosestQuery { asked: self.0, triangles, t_max, found: None, enclosure: None };
+        self.0.traversal().run::<L>(&mut query);
+        let Found { leaf, lane, .. } = query.found?;
+        let leaf = self.0.leaf(leaf)?;
+        let vertices = leaf.permuted(lane, query.triangles.axes());
+        let TriangleHit { t, u, v } = values_of_hit(self.0.ray, &vertices);
         Some(Hit { t, u, v, primitive: u64::from(leaf.primitive(lane)) })
     }
 }
 
 /// A triangle that is hit.
 #[derive(Clone, Copy)]
-pub(crate) struct Found {
+struct Found {
     leaf: Child,
     lane: usize,
     /// Not above t*.
