@@ -197,13 +197,13 @@ fn divide(bounds: Bounds3, range: Range<usize>, nodes: &mut Vec<BinaryNode>) {
 /// The lines of a [`Node`](super::arena::Node).
 fn node_lines(bounds: &[Bounds3], children: &[Option<Child>]) -> [Line; NODE_LINES] {
     let mut rows = [[0_u32; LANES]; 8];
-    for lane in 0..LANES {
-        let b = bounds.get(lane).copied().unwrap_or(Bounds3 { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY });
+    rows[..6].copy_from_slice(&[[f32::INFINITY.to_bits(); LANES], [f32::NEG_INFINITY.to_bits(); LANES]].repeat(3));
+    for (lane, (b, child)) in bounds.iter().zip(children).enumerate() {
         for axis in 0..3 {
             rows[2 * axis][lane] = b.min[axis].to_bits();
             rows[2 * axis + 1][lane] = b.max[axis].to_bits();
         }
-        rows[6][lane] = children.get(lane).copied().flatten().map_or(0, |child| child.0);
+        rows[6][lane] = child.map_or(0, |child| child.0);
     }
     for octant in 0..8 {
         let sign = Vec3::from_array([0, 1, 2].map(|i| if octant >> i & 1 == 1 { -1.0 } else { 1.0 }));
