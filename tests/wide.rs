@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use bvh_flat::geometry::glam::Vec3;
 use bvh_flat::geometry::{Hit, Interval, Ray, Shape, TraversalRay, TriangleMesh};
-use bvh_flat::{BuildConfig, MeshBvh, RaySegment, SimdWidth, SplitMethod, WideMesh};
+use bvh_flat::{BuildConfig, MeshBvh, RaySegment, SimdWidth, SplitMethod, WideLayout, WideMesh};
 
 use scene::BuiltIn;
 
@@ -30,12 +30,13 @@ fn check(name: &str, mesh: &Arc<TriangleMesh>, count: usize, seed: u64) {
     let answers: Vec<_> = rays.iter().map(|(ray, interval)| bits(reference.intersect(ray, *interval))).collect();
     assert!(answers.iter().flatten().count() > count / 4, "{name}: rays that hit nothing prove nothing");
     for method in SplitMethod::ALL {
-        for leaf in [1, 4, 30] {
+        for leaf in [1, 30] {
             let config = BuildConfig::new(method).with_max_primitives_in_leaf(leaf);
             let bvh = MeshBvh::build(Arc::clone(mesh), &config).expect("the configuration is valid");
-            let wide = WideMesh::new(&bvh).expect("small enough");
-            for width in SimdWidth::available() {
-                let wide = wide.with_simd_width(width);
+            let layouts = WideLayout::ALL.map(|layout| WideMesh::new(&bvh, layout).expect("small enough"));
+            for (layout, width) in layouts.iter().flat_map(|l| SimdWidth::available().into_iter().map(move |w| (l, w)))
+            {
+                let wide = layout.with_simd_width(width);
                 for ((ray, interval), answer) in rays.iter().zip(&answers) {
                     let what = || format!("{name} {} {leaf} {} {ray:?} {interval:?}", method.name(), width.name());
                     assert_eq!(bits(wide.intersect(ray, *interval)), *answer, "{}", what());

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use bvh_flat::geometry::{Interval, Ray as GeometryRay, Shape, TraversalRay, TriangleMesh};
-use bvh_flat::{BuildConfig, MeshBvh, RaySegment, SimdWidth, WideMesh};
+use bvh_flat::{BuildConfig, MeshBvh, RaySegment, SimdWidth, WideLayout, WideMesh};
 
 use crate::{Hit, Ray};
 
@@ -33,6 +33,11 @@ pub const VARIANTS: &[(&str, Build)] = &[
     ("ours batch", |mesh| {
         let wide = WideMesh::build(Arc::clone(mesh), &BuildConfig::high_quality()).expect("the preset is valid");
         Box::new(Batch(wide))
+    }),
+    ("ours compact", |mesh| {
+        let wide = WideMesh::build_observed(Arc::clone(mesh), &BuildConfig::high_quality(), WideLayout::Compact, &());
+        let wide = wide.expect("the preset is valid");
+        one_by_one(wide.memory(), wide)
     }),
     ("ours avx2", |mesh| wide(mesh, BuildConfig::balanced(), SimdWidth::avx2().unwrap_or_default())),
     ("ours portable", |mesh| wide(mesh, BuildConfig::balanced(), SimdWidth::PORTABLE)),

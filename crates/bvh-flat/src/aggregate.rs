@@ -6,9 +6,9 @@ use geometry::{Bounds3, Hit, HitVisitor, Interval, MappedVisitor, TraversalRay, 
 use primitive::{HitKind, Primitive, PrimitiveList, SurfaceInteraction};
 
 use crate::simd::{Kernel, Lanes, SimdWidth};
-use crate::wide::{Child, LeafWriter, Line, Query, WideTree, collapse, traverse};
+use crate::wide::{Child, FullNode, LeafWriter, Line, Query, WideTree, collapse, traverse};
 #[cfg(feature = "build")]
-use crate::wide::{MAX_LINES, NODE_LINES};
+use crate::wide::{MAX_LINES, WideNode};
 #[cfg(feature = "build")]
 use crate::{BuildConfig, BuildError, BuildObserver};
 use crate::{FlatBvh, InvalidBvh};
@@ -48,7 +48,7 @@ impl<P: Primitive> BvhAggregate<P> {
     ) -> Result<Self, BuildError> {
         let bounds: Vec<Bounds3> = members.iter().map(Primitive::world_bound).collect();
         let bvh = FlatBvh::build(&bounds, config, observer)?;
-        let too_many = BuildError::TooManyPrimitives { count: bounds.len(), limit: MAX_LINES / (1 + NODE_LINES) };
+        let too_many = BuildError::TooManyPrimitives { count: bounds.len(), limit: MAX_LINES / (1 + FullNode::LINES) };
         Self::assemble(members, bvh).ok_or(too_many)
     }
 
@@ -64,7 +64,7 @@ impl<P: Primitive> BvhAggregate<P> {
     }
 
     fn assemble(members: Vec<P>, bvh: FlatBvh) -> Option<Self> {
-        let wide = collapse(&bvh, &Places)?;
+        let wide = collapse::<FullNode>(&bvh, &Places)?;
         Some(Self { list: PrimitiveList::new(members), bvh, wide, width: SimdWidth::default() })
     }
 
@@ -131,7 +131,7 @@ impl<Q: Query> Kernel for Traversal<'_, Q> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        traverse::<L>(&self.tree.arena, self.tree.root, self.ray, self.interval, self.query);
+        traverse::<L, FullNode>(&self.tree.arena, self.tree.root, self.ray, self.interval, self.query);
     }
 }
 

@@ -36,4 +36,4 @@ pub use primitive;
 pub use ray_segment::RaySegment;
 pub use simd::SimdWidth;
 pub use validate::InvalidBvh;
-pub use wide_mesh::WideMesh;
+pub use wide_mesh::{WideLayout, WideMesh};

@@ -10,17 +10,16 @@ use rayon::iter::{IndexedParallelIterator, ParallelIterator};
 #[cfg(feature = "parallel")]
 use rayon::slice::{ParallelSlice, ParallelSliceMut};
 
-use crate::RaySegment;
 use crate::simd::SimdWidth;
 use crate::wide::{
-    All, Answered, AnyQuery, ClosestQuery, LARGE_FOR_ANY, LARGE_FOR_CLOSEST, Many, One, TriangleBlocks, WideTree,
-    collapse,
+    All, Answered, AnyQuery, Blocks, ClosestQuery, Compact, LARGE_FOR_ANY, LARGE_FOR_CLOSEST, Layout, Many, One,
+    TriangleWriter, Triangles, collapse,
 };
 #[cfg(feature = "build")]
-use crate::wide::{MAX_LINES, NODE_LINES};
+use crate::wide::{FullNode, MAX_LINES, WideNode};
 #[cfg(feature = "build")]
 use crate::{BuildConfig, BuildError, BuildObserver};
-use crate::{FlatBvh, MeshBvh};
+use crate::{FlatBvh, MeshBvh, RaySegment};
 
 /// How many rays a thread takes at once.
 #[cfg(feature = "parallel")]
@@ -35,14 +34,33 @@ const PARALLEL_CHUNK: usize = 4096;
 /// depend on a tree, a layout or the width of registers.
 #[derive(Clone, Debug)]
 pub struct WideMesh {
-    shared: Arc<Shared>,
+    triangles: Arc<Triangles>,
+    layout: WideLayout,
     width: SimdWidth,
 }
 
-#[derive(Debug)]
-struct Shared {
-    mesh: Arc<TriangleMesh>,
-    tree: WideTree,
+/// What a wide tree keeps of its triangles. The answers are the same.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum WideLayout {
+    /// Nodes of 256 bytes, and in the leaves the vertices, as they are tested: about 58 bytes a triangle. The fastest.
+    #[default]
+    Blocks,
+    /// Nodes of 128 bytes, whose boxes are quantised outward, and in the leaves numbers of triangles, whose vertices are
+    /// read from the mesh: about 20 bytes a triangle. For scenes that should fit.
+    Compact,
+}
+
+impl WideLayout {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Blocks, Self::Compact];
+
+    /// Its name in tables and on command lines.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Blocks => "blocks",
+            Self::Compact => "compact",
+        }
+    }
 }
 
 impl WideMesh {
@@ -53,10 +71,10 @@ impl WideMesh {
     /// [`BuildError`] for a configuration that the builder refuses, or a mesh whose tree would be larger than 16 GiB.
     #[cfg(feature = "build")]
     pub fn build(mesh: impl Into<Arc<TriangleMesh>>, config: &BuildConfig) -> Result<Self, BuildError> {
-        Self::build_observed(mesh, config, &())
+        Self::build_observed(mesh, config, WideLayout::Blocks, &())
     }
 
-    /// Builds a tree over `mesh`, telling `observer` of each phase.
+    /// Builds a tree over `mesh` in a layout, telling `observer` of each phase.
     ///
     /// # Errors
     /// As [`build`](Self::build).
@@ -64,39 +82,53 @@ impl WideMesh {
     pub fn build_observed(
         mesh: impl Into<Arc<TriangleMesh>>,
         config: &BuildConfig,
+        layout: WideLayout,
         observer: &dyn BuildObserver,
     ) -> Result<Self, BuildError> {
         let mesh = mesh.into();
         let bounds: Vec<Bounds3> = (0..mesh.len()).map(|i| mesh.triangle_bounds(i)).collect();
         let bvh = FlatBvh::build(&bounds, &config.with_max_primitives_in_leaf(1), observer)?;
         // At most a line for each triangle and a node for each but one always fit; most meshes need a fifth of that.
-        let limit = MAX_LINES / (1 + NODE_LINES);
-        Self::from_tree(&mesh, &bvh).ok_or(BuildError::TooManyPrimitives { count: mesh.len(), limit })
+        let limit = MAX_LINES / (1 + FullNode::LINES);
+        Self::from_tree(&mesh, &bvh, layout).ok_or(BuildError::TooManyPrimitives { count: mesh.len(), limit })
     }
 
     /// Collapses the tree of a mesh. `None` where it does not fit the 16 GiB that its references can name.
-    pub fn new(mesh: &MeshBvh) -> Option<Self> {
-        Self::from_tree(mesh.mesh(), mesh.bvh())
+    pub fn new(mesh: &MeshBvh, layout: WideLayout) -> Option<Self> {
+        Self::from_tree(mesh.mesh(), mesh.bvh(), layout)
     }
 
-    pub(crate) fn from_tree(mesh: &Arc<TriangleMesh>, bvh: &FlatBvh) -> Option<Self> {
-        let tree = collapse(bvh, &TriangleBlocks { mesh, order: bvh.order() })?;
-        Some(Self { shared: Arc::new(Shared { mesh: Arc::clone(mesh), tree }), width: SimdWidth::default() })
+    fn from_tree(mesh: &Arc<TriangleMesh>, bvh: &FlatBvh, layout: WideLayout) -> Option<Self> {
+        fn tree<Y: Layout>(mesh: &TriangleMesh, bvh: &FlatBvh, layout: Y) -> Option<crate::wide::WideTree> {
+            collapse::<Y::Node>(bvh, &TriangleWriter { mesh, order: bvh.order(), layout })
+        }
+        let tree = match layout {
+            WideLayout::Blocks => tree(mesh, bvh, Blocks)?,
+            WideLayout::Compact => tree(mesh, bvh, Compact)?,
+        };
+        let triangles = Arc::new(Triangles { mesh: Arc::clone(mesh), tree });
+        Some(Self { triangles, layout, width: SimdWidth::default() })
     }
 
     /// The same mesh and tree, traversed with another width.
+    #[must_use]
     pub fn with_simd_width(&self, width: SimdWidth) -> Self {
-        Self { shared: Arc::clone(&self.shared), width }
+        Self { triangles: Arc::clone(&self.triangles), width, ..*self }
     }
 
     /// The mesh.
     pub fn mesh(&self) -> &Arc<TriangleMesh> {
-        &self.shared.mesh
+        &self.triangles.mesh
+    }
+
+    /// What is kept of the triangles.
+    pub fn layout(&self) -> WideLayout {
+        self.layout
     }
 
     /// What is kept beside the mesh itself, in bytes.
     pub fn memory(&self) -> usize {
-        self.shared.tree.arena.memory()
+        self.triangles.tree.arena.memory()
     }
 
     /// The closest hit of each ray, as [`intersect`](Shape::intersect) finds it, bit for bit; as many as there are of both.
@@ -104,12 +136,18 @@ impl WideMesh {
     /// Faster than a call for each where the tree is larger than the caches and the rays go apart: several are then on
     /// their way at once, and while one waits for the memory, others go on.
     pub fn intersect_many(&self, rays: &[RaySegment], hits: &mut [Option<Hit>]) {
-        self.many::<ClosestQuery>(rays, hits, LARGE_FOR_CLOSEST);
+        match self.layout {
+            WideLayout::Blocks => self.many::<ClosestQuery<Blocks>>(rays, hits, LARGE_FOR_CLOSEST),
+            WideLayout::Compact => self.many::<ClosestQuery<Compact>>(rays, hits, LARGE_FOR_CLOSEST),
+        }
     }
 
     /// Whether each ray hits anything, as [`intersect_p`](Shape::intersect_p) finds it; as many as there are of both.
     pub fn intersect_p_many(&self, rays: &[RaySegment], hits: &mut [bool]) {
-        self.many::<AnyQuery>(rays, hits, LARGE_FOR_ANY);
+        match self.layout {
+            WideLayout::Blocks => self.many::<AnyQuery<Blocks>>(rays, hits, LARGE_FOR_ANY),
+            WideLayout::Compact => self.many::<AnyQuery<Compact>>(rays, hits, LARGE_FOR_ANY),
+        }
     }
 
     /// [`intersect_many`](Self::intersect_many) on all threads of the current rayon pool.
@@ -127,39 +165,53 @@ impl WideMesh {
     }
 
     fn many<'a, Q: Answered<'a>>(&'a self, rays: &[RaySegment], answers: &mut [Q::Answer], large: usize) {
-        self.width.run(Many::<Q> { tree: &self.shared.tree, rays, answers, large, query: PhantomData });
+        self.width.run(Many::<Q> { triangles: &self.triangles, rays, answers, large, query: PhantomData });
     }
 
     #[inline(always)]
     fn one<'a, Q: Answered<'a>>(&'a self, ray: &'a TraversalRay, interval: Interval) -> Q::Answer {
-        self.width.run(One::<Q> { tree: &self.shared.tree, ray, interval, query: PhantomData })
+        self.width.run(One::<Q> { triangles: &self.triangles, ray, interval, query: PhantomData })
     }
 }
 
 impl Shape for WideMesh {
     fn object_bound(&self) -> Bounds3 {
-        self.shared.tree.bounds
+        self.triangles.tree.bounds
     }
 
     fn primitive_count(&self) -> u64 {
-        self.shared.mesh.primitive_count()
+        self.triangles.mesh.primitive_count()
     }
 
     fn visit_hits(&self, ray: &TraversalRay, interval: Interval, visitor: &mut dyn HitVisitor) -> Visit {
-        self.width.run(All { tree: &self.shared.tree, ray, interval, visitor })
+        let triangles = &*self.triangles;
+        match self.layout {
+            WideLayout::Blocks => {
+                self.width.run(All { triangles, ray, interval, visitor, layout: PhantomData::<Blocks> })
+            }
+            WideLayout::Compact => {
+                self.width.run(All { triangles, ray, interval, visitor, layout: PhantomData::<Compact> })
+            }
+        }
     }
 
     #[inline]
     fn intersect(&self, ray: &TraversalRay, interval: Interval) -> Option<Hit> {
-        self.one::<ClosestQuery>(ray, interval)
+        match self.layout {
+            WideLayout::Blocks => self.one::<ClosestQuery<Blocks>>(ray, interval),
+            WideLayout::Compact => self.one::<ClosestQuery<Compact>>(ray, interval),
+        }
     }
 
     #[inline]
     fn intersect_p(&self, ray: &TraversalRay, interval: Interval) -> bool {
-        self.one::<AnyQuery>(ray, interval)
+        match self.layout {
+            WideLayout::Blocks => self.one::<AnyQuery<Blocks>>(ray, interval),
+            WideLayout::Compact => self.one::<AnyQuery<Compact>>(ray, interval),
+        }
     }
 
     fn surface_point(&self, ray: &TraversalRay, hit: &Hit) -> SurfacePoint {
-        self.shared.mesh.surface_point(ray, hit)
+        self.triangles.mesh.surface_point(ray, hit)
     }
 }

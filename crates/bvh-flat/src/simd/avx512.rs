@@ -15,7 +15,7 @@ pub(super) struct Avx512;
 macro_rules! op {
     ($e:expr) => {
         // SAFETY: the processor has the instructions (see above); those that access memory need no alignment, and do so
-        // through references to eight numbers, in `load_row` to 64 from one of the places
+        // through references to eight numbers, in `load_row` to 64 and in `load_bytes` to 48 from one of the places
         // 0, 8 … 56 on, or in `load_vertices` to 144, of which the last read
         // is 1 + (3 · 2 + 3) · 15 + 7 = 143 at most.
         unsafe { $e }
@@ -38,6 +38,13 @@ impl Lanes for Avx512 {
     #[inline(always)]
     fn load_row(rows: &[f32; 64], at: usize) -> __m256 {
         op!(_mm256_loadu_ps(rows.as_ptr().add(at & 56)))
+    }
+    #[inline(always)]
+    fn load_bytes(rows: &[u8; 48], at: usize) -> __m256 {
+        op!({
+            let bytes = _mm_loadl_epi64(rows.as_ptr().add((at & 56).min(40)).cast());
+            _mm256_cvtepi32_ps(_mm256_cvtepu8_epi32(bytes))
+        })
     }
     #[inline(always)]
     fn load_vertices(leaf: &[f32; LEAF_NUMBERS], count: usize, axis: usize) -> [__m256; 3] {

@@ -43,6 +43,8 @@ pub(crate) trait Lanes: Copy {
     fn load(x: &[f32; LANES]) -> Self::F32;
     /// Row `at / 8` of eight rows; `at` is taken modulo 64, and down to a multiple of eight.
     fn load_row(rows: &[f32; 64], at: usize) -> Self::F32;
+    /// Row `at / 8` of six rows of bytes, as numbers; `at` is taken down to a multiple of eight, 40 at most.
+    fn load_bytes(rows: &[u8; 48], at: usize) -> Self::F32;
     /// Of `count` triangles, as a leaf of a wide tree has them, one coordinate of the first, second and third vertices: the
     /// numbers from 1 + (3 vertex + axis) count on. `count` is taken modulo 16 and `axis` modulo 4.
     fn load_vertices(leaf: &[f32; LEAF_NUMBERS], count: usize, axis: usize) -> [Self::F32; 3];

@@ -47,6 +47,10 @@ impl Lanes for Portable {
         std::array::from_fn(|i| rows[(at & 56) + i])
     }
     #[inline(always)]
+    fn load_bytes(rows: &[u8; 48], at: usize) -> F {
+        std::array::from_fn(|i| f32::from(rows[(at & 56).min(40) + i]))
+    }
+    #[inline(always)]
     fn load_vertices(leaf: &[f32; LEAF_NUMBERS], count: usize, axis: usize) -> [F; 3] {
         let (count, axis) = (count & 15, axis & 3);
         [0, 1, 2].map(|vertex| {

@@ -9,9 +9,6 @@ use crate::simd::{LANES, LEAF_NUMBERS, prefetch};
 #[repr(C, align(64))]
 pub(crate) struct Line(pub(crate) [u32; 16]);
 
-/// How many lines a node takes.
-pub(crate) const NODE_LINES: usize = 4;
-
 /// How many lines can be read from the first line of a leaf on, whatever its size: as many follow the last leaf.
 const LEAF_LINES: usize = LEAF_NUMBERS / 16;
 
@@ -61,48 +58,6 @@ impl Child {
     }
 }
 
-/// A node as eight rows of eight lanes, one for each child:
-///
-/// ```text
-/// row 0    1    2    3    4    5    6         7
-///     min, max x   min, max y   min, max z   children   orders
-/// ```
-///
-/// The box of a lane without a child is empty: min = +∞, max = −∞, which no ray enters. For each of the eight octants of
-/// ray directions the orders have three bits in every lane, from bit 3 · octant on: lane i of the children, sorted from
-/// the farthest to the nearest for such rays, is the child in the lane with that number. Bit i of an octant is set where
-/// the direction's component i is negative.
-#[derive(Clone, Copy)]
-pub(crate) struct Node<'a>(&'a [Line; NODE_LINES]);
-
-impl<'a> Node<'a> {
-    #[inline(always)]
-    pub(crate) fn planes(self) -> &'a [f32; 64] {
-        bytemuck::must_cast_ref(self.0)
-    }
-
-    #[inline(always)]
-    fn words(self) -> &'a [[u32; LANES]; 8] {
-        bytemuck::must_cast_ref(self.0)
-    }
-
-    #[inline(always)]
-    pub(crate) fn children(self) -> &'a [u32; LANES] {
-        &self.words()[6]
-    }
-
-    /// The child in a lane, modulo eight.
-    #[inline(always)]
-    pub(crate) fn child(self, lane: u32) -> Child {
-        Child(self.children()[lane as usize & 7])
-    }
-
-    #[inline(always)]
-    pub(crate) fn orders(self) -> &'a [u32; LANES] {
-        &self.words()[7]
-    }
-}
-
 /// The lines of a tree.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Arena {
@@ -117,16 +72,16 @@ impl Arena {
         Self { lines }
     }
 
-    /// The node from line `first` on; `None` where there is none, which a tree's own references never name.
+    /// The lines from `first` on; `None` where there are none, which a tree's own references never name.
     ///
-    /// (An option, and not some node in place of it: a branch that is never taken costs nothing, where a conditional move
-    /// would wait for the reference and make the next load wait for it.)
+    /// (An option, and not some lines in place of them: a branch that is never taken costs nothing, where a conditional
+    /// move would wait for the reference and make the next load wait for it.)
     #[inline(always)]
-    pub(crate) fn node(&self, first: usize) -> Option<Node<'_>> {
-        Some(Node(self.lines.get(first..)?.first_chunk()?))
+    pub(crate) fn lines(&self, first: usize) -> Option<&[Line]> {
+        self.lines.get(first..)
     }
 
-    /// The numbers of a leaf from line `first` on, and what follows them; `None` as for [`node`](Self::node).
+    /// The numbers of a leaf from line `first` on, and what follows them; `None` as for [`lines`](Self::lines).
     #[inline(always)]
     pub(crate) fn leaf(&self, first: usize) -> Option<&[f32; LEAF_NUMBERS]> {
         let lines: &[Line; LEAF_LINES] = self.lines.get(first..)?.first_chunk()?;
@@ -136,7 +91,7 @@ impl Arena {
     /// Asks for the lines of a node, or the most of a leaf, from line `first` on.
     #[inline(always)]
     pub(crate) fn prefetch(&self, first: usize) {
-        if let Some(lines) = self.lines.get(first..).and_then(|lines| lines.first_chunk::<NODE_LINES>()) {
+        if let Some(lines) = self.lines.get(first..).and_then(|lines| lines.first_chunk::<4>()) {
             for line in lines {
                 prefetch(line);
             }

@@ -3,7 +3,7 @@
 use geometry::TraversalRay;
 use geometry::glam::Vec4;
 
-use super::arena::Node;
+use super::node::WideNode;
 use crate::simd::{LANES, Lanes};
 
 /// Whether nothing overflows in the regular form of the box test: no component of the direction is zero, denormal or
@@ -94,13 +94,12 @@ impl<L: Lanes> BoxLanes<L> {
     }
 
     #[inline(always)]
-    pub(crate) fn slabs<const REGULAR: bool>(&self, node: Node<'_>) -> Slabs<L> {
-        let planes = node.planes();
+    pub(crate) fn slabs<const REGULAR: bool>(&self, node: &impl WideNode) -> Slabs<L> {
         let mut near = [self.t_min; 3];
         let mut far = [self.t_max; 3];
         for i in 0..3 {
-            let a = L::load_row(planes, self.near_at[i]);
-            let b = L::load_row(planes, self.near_at[i] ^ LANES);
+            let a = node.planes::<L>(self.near_at[i]);
+            let b = node.planes::<L>(self.near_at[i] ^ LANES);
             if REGULAR && L::FUSED {
                 near[i] = L::mul_add(a, self.near[i], self.near_from[i]);
                 far[i] = L::mul_add(b, self.far[i], self.far_from[i]);

@@ -3,9 +3,9 @@
 use std::ops::Range;
 
 use geometry::Bounds3;
-use geometry::glam::Vec3;
 
-use super::arena::{Arena, Child, Line, MAX_LINES, NODE_LINES};
+use super::arena::{Arena, Child, Line, MAX_LINES};
+use super::node::WideNode;
 use crate::FlatBvh;
 use crate::simd::LANES;
 
@@ -43,11 +43,11 @@ struct Plan {
 /// Which binary nodes become wide nodes and leaves is decided by dynamic programming, after Ylitie, Karras and Laine 2017,
 /// *Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs*, section 4: the least sum of area times cost
 /// over all nodes and leaves. `None` where the result would not fit an [`Arena`].
-pub(crate) fn collapse(bvh: &FlatBvh, writer: &impl LeafWriter) -> Option<WideTree> {
+pub(crate) fn collapse<N: WideNode>(bvh: &FlatBvh, writer: &impl LeafWriter) -> Option<WideTree> {
     let binary = Binary::new(bvh);
     let plans = binary.plan(writer);
     let mut lines = Vec::new();
-    let root = if binary.nodes.is_empty() { None } else { Some(binary.emit(&plans, 0, writer, &mut lines)?) };
+    let root = if binary.nodes.is_empty() { None } else { Some(binary.emit::<N>(&plans, 0, writer, &mut lines)?) };
     Some(WideTree { arena: Arena::new(lines), root, bounds: bvh.bounds() })
 }
 
@@ -143,7 +143,13 @@ impl Binary {
     }
 
     /// Writes everything below a node: itself, its leaves, and then the nodes below it.
-    fn emit(&self, plans: &[Plan], node: usize, writer: &impl LeafWriter, lines: &mut Vec<Line>) -> Option<Child> {
+    fn emit<N: WideNode>(
+        &self,
+        plans: &[Plan],
+        node: usize,
+        writer: &impl LeafWriter,
+        lines: &mut Vec<Line>,
+    ) -> Option<Child> {
         let BinaryNode { second_child, first, count, .. } = self.nodes[node];
         let left = usize::from(plans[node].left_of_eight);
         let is_leaf = |i: usize| self.nodes[i].second_child == 0 || plans[i].left_of_eight == 0;
@@ -163,16 +169,16 @@ impl Binary {
         if at >= MAX_LINES {
             return None;
         }
-        lines.resize(at + NODE_LINES, Line::default());
+        lines.resize(at + N::LINES, Line::default());
         let bounds: Vec<Bounds3> = nodes.iter().map(|&i| self.nodes[i].bounds).collect();
         let mut children = vec![None; nodes.len()];
         for (child, &i) in children.iter_mut().zip(&nodes).filter(|(_, i)| is_leaf(**i)) {
             *child = Some(leaf(i, lines)?);
         }
         for (child, &i) in children.iter_mut().zip(&nodes).filter(|(_, i)| !is_leaf(**i)) {
-            *child = Some(self.emit(plans, i, writer, lines)?);
+            *child = Some(self.emit::<N>(plans, i, writer, lines)?);
         }
-        lines[at..at + NODE_LINES].copy_from_slice(&node_lines(&bounds, &children));
+        N::write(&bounds, &children, &mut lines[at..at + N::LINES]);
         Some(Child::node(at))
     }
 }
@@ -189,27 +195,4 @@ fn divide(bounds: Bounds3, range: Range<usize>, nodes: &mut Vec<BinaryNode>) {
         nodes[at].second_child = nodes.len() as u32;
         divide(bounds, middle..range.end, nodes);
     }
-}
-
-/// The lines of a [`Node`](super::arena::Node).
-fn node_lines(bounds: &[Bounds3], children: &[Option<Child>]) -> [Line; NODE_LINES] {
-    let mut rows = [[0_u32; LANES]; 8];
-    rows[..6].copy_from_slice(&[[f32::INFINITY.to_bits(); LANES], [f32::NEG_INFINITY.to_bits(); LANES]].repeat(3));
-    for (lane, (b, child)) in bounds.iter().zip(children).enumerate() {
-        for axis in 0..3 {
-            rows[2 * axis][lane] = b.min[axis].to_bits();
-            rows[2 * axis + 1][lane] = b.max[axis].to_bits();
-        }
-        rows[6][lane] = child.map_or(0, |child| child.0);
-    }
-    for octant in 0..8 {
-        let sign = Vec3::from_array([0, 1, 2].map(|i| if octant >> i & 1 == 1 { -1.0 } else { 1.0 }));
-        let mut order: [usize; LANES] = std::array::from_fn(|i| i);
-        let distance = |i: &usize| bounds.get(*i).map_or(f32::INFINITY, |b| b.centroid().dot(sign));
-        order.sort_by(|a, b| distance(b).total_cmp(&distance(a)));
-        for (row, lane) in rows[7].iter_mut().zip(order) {
-            *row |= (lane as u32) << (3 * octant);
-        }
-    }
-    bytemuck::must_cast(rows)
 }

@@ -1,41 +1,43 @@
 //! The three queries of a wide tree of triangles, as kernels.
 
 use std::cmp::Ordering;
+use std::marker::PhantomData;
 use std::ops::ControlFlow;
 
 use geometry::exact::{Enclosure, ExactRay, values_of_hit};
 use geometry::{Hit, HitVisitor, Interval, TraversalRay, TriangleHit, Visit, Work, round_down, round_up};
 
 use super::arena::Child;
-use super::collapse::WideTree;
 use super::traverse::{Query, traverse};
 use super::triangle_ray::{Candidates, TriangleRay};
-use super::triangles::TriangleLeaf;
+use super::triangles::{Layout, Scratch, TriangleLeaf, Triangles};
 use crate::simd::{Kernel, Lanes, LanesOf};
 
 /// What all queries begin with.
 #[derive(Clone, Copy)]
-pub(crate) struct Asked<'a> {
-    tree: &'a WideTree,
+pub(crate) struct Asked<'a, Y> {
+    triangles: &'a Triangles,
     interval: Interval,
-    triangles: TriangleRay,
+    ray: TriangleRay,
+    layout: PhantomData<Y>,
 }
 
-impl<'a> Asked<'a> {
+impl<'a, Y: Layout> Asked<'a, Y> {
     #[inline(always)]
-    pub(crate) fn new(tree: &'a WideTree, ray: &TraversalRay, interval: Interval) -> Self {
-        Self { tree, interval, triangles: TriangleRay::new(ray) }
+    pub(crate) fn new(triangles: &'a Triangles, ray: &TraversalRay, interval: Interval) -> Self {
+        Self { triangles, interval, ray: TriangleRay::new(ray), layout: PhantomData }
     }
 
     #[inline(always)]
-    fn leaf(&self, leaf: Child) -> Option<TriangleLeaf<'a>> {
-        TriangleLeaf::new(&self.tree.arena, leaf)
+    fn leaf<'s>(&'s self, leaf: Child, scratch: &'s mut Y::Scratch) -> Option<TriangleLeaf<'s>> {
+        TriangleLeaf::new::<Y>(self.triangles, leaf, scratch)
     }
 
     #[inline(always)]
     fn candidates<L: Lanes>(&self, leaf: Child, t_max: f32) -> Option<Candidates> {
-        let leaf = self.leaf(leaf)?;
-        self.triangles.candidates::<L>(leaf.numbers(), leaf.count(), [self.interval.t_min(), t_max])
+        let mut scratch = Y::Scratch::new();
+        let leaf = self.leaf(leaf, &mut scratch)?;
+        self.ray.candidates::<L>(leaf.numbers(), leaf.count(), [self.interval.t_min(), t_max])
     }
 
     /// Whether t* is in the interval for certain.
@@ -47,11 +49,14 @@ impl<'a> Asked<'a> {
 
 /// A query with an answer.
 pub(crate) trait Answered<'a>: Query {
+    /// Of which trees it is asked.
+    type Layout: Layout;
+
     /// What is answered.
     type Answer: Default;
 
     /// The query of a ray.
-    fn new(asked: Asked<'a>) -> Self;
+    fn new(asked: Asked<'a, Self::Layout>) -> Self;
 
     /// The answer, when the ray's way is at its end.
     fn answer(&self, ray: &TraversalRay) -> Self::Answer;
@@ -59,10 +64,10 @@ pub(crate) trait Answered<'a>: Query {
 
 /// A query `Q` of one ray.
 pub(crate) struct One<'a, Q> {
-    pub(crate) tree: &'a WideTree,
+    pub(crate) triangles: &'a Triangles,
     pub(crate) ray: &'a TraversalRay,
     pub(crate) interval: Interval,
-    pub(crate) query: std::marker::PhantomData<Q>,
+    pub(crate) query: PhantomData<Q>,
 }
 
 impl<'a, Q: Answered<'a>> Kernel for One<'a, Q> {
@@ -70,11 +75,20 @@ impl<'a, Q: Answered<'a>> Kernel for One<'a, Q> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> Q::Answer {
-        let Self { tree, ray, interval, .. } = self;
-        let mut query = Q::new(Asked::new(tree, ray, interval));
-        traverse::<L>(&tree.arena, tree.root, ray, interval, &mut query);
-        query.answer(ray)
+        answer::<L, Q>(self.triangles, self.ray, self.interval)
     }
+}
+
+/// The answer of a query `Q` of one ray.
+#[inline(always)]
+pub(crate) fn answer<'a, L: Lanes, Q: Answered<'a>>(
+    triangles: &'a Triangles,
+    ray: &TraversalRay,
+    interval: Interval,
+) -> Q::Answer {
+    let mut query = Q::new(Asked::new(triangles, ray, interval));
+    traverse::<L, <Q::Layout as Layout>::Node>(&triangles.tree.arena, triangles.tree.root, ray, interval, &mut query);
+    query.answer(ray)
 }
 
 /// A triangle that is hit.
@@ -87,8 +101,8 @@ struct Found {
 }
 
 /// The closest hit.
-pub(crate) struct ClosestQuery<'a> {
-    asked: Asked<'a>,
+pub(crate) struct ClosestQuery<'a, Y> {
+    asked: Asked<'a, Y>,
     /// Not below the t* of what was found.
     t_max: f32,
     found: Option<Found>,
@@ -96,25 +110,27 @@ pub(crate) struct ClosestQuery<'a> {
     enclosure: Option<Enclosure>,
 }
 
-impl<'a> Answered<'a> for ClosestQuery<'a> {
+impl<'a, Y: Layout> Answered<'a> for ClosestQuery<'a, Y> {
+    type Layout = Y;
     type Answer = Option<Hit>;
 
     #[inline(always)]
-    fn new(asked: Asked<'a>) -> Self {
+    fn new(asked: Asked<'a, Y>) -> Self {
         Self { asked, t_max: asked.interval.t_max(), found: None, enclosure: None }
     }
 
     #[inline(always)]
     fn answer(&self, ray: &TraversalRay) -> Option<Hit> {
         let Found { leaf, lane, .. } = self.found?;
-        let leaf = self.asked.leaf(leaf)?;
-        let vertices = leaf.permuted(lane, self.asked.triangles.axes());
+        let mut scratch = Y::Scratch::new();
+        let leaf = self.asked.leaf(leaf, &mut scratch)?;
+        let vertices = leaf.permuted(lane, self.asked.ray.axes());
         let TriangleHit { t, u, v } = values_of_hit(ray, &vertices);
         Some(Hit { t, u, v, primitive: u64::from(leaf.primitive(lane)) })
     }
 }
 
-impl Query for ClosestQuery<'_> {
+impl<Y: Layout> Query for ClosestQuery<'_, Y> {
     const ORDERED: bool = true;
 
     #[inline(always)]
@@ -139,17 +155,19 @@ impl Query for ClosestQuery<'_> {
     }
 }
 
-impl ClosestQuery<'_> {
+impl<Y: Layout> ClosestQuery<'_, Y> {
     /// Takes a triangle of which f32 says too little.
     #[cold]
     #[inline(never)]
     fn decide(&mut self, ray: &TraversalRay, leaf: Child, lane: usize) {
-        let Some(triangle) = self.asked.leaf(leaf) else { return };
+        let mut scratch = [Y::Scratch::new(), Y::Scratch::new()];
+        let [scratch, best_scratch] = &mut scratch;
+        let Some(triangle) = self.asked.leaf(leaf, scratch) else { return };
         let vertices = triangle.vertices(lane);
         let exact = ExactRay::unfiltered(ray);
         let Some(enclosure) = exact.intersect_triangle(&vertices, self.asked.interval, &mut ()) else { return };
         if let Some(Found { leaf: best_leaf, lane: best_lane, .. }) = self.found {
-            let Some(best) = self.asked.leaf(best_leaf) else { return };
+            let Some(best) = self.asked.leaf(best_leaf, best_scratch) else { return };
             let best_vertices = best.vertices(best_lane);
             let best_enclosure = self.enclosure.get_or_insert_with(|| exact.enclose(&best_vertices));
             let order = exact.compare((&enclosure, &vertices), (best_enclosure, &best_vertices), &mut ());
@@ -165,16 +183,17 @@ impl ClosestQuery<'_> {
 }
 
 /// Whether there is any hit.
-pub(crate) struct AnyQuery<'a> {
-    asked: Asked<'a>,
+pub(crate) struct AnyQuery<'a, Y> {
+    asked: Asked<'a, Y>,
     is_hit: bool,
 }
 
-impl<'a> Answered<'a> for AnyQuery<'a> {
+impl<'a, Y: Layout> Answered<'a> for AnyQuery<'a, Y> {
+    type Layout = Y;
     type Answer = bool;
 
     #[inline(always)]
-    fn new(asked: Asked<'a>) -> Self {
+    fn new(asked: Asked<'a, Y>) -> Self {
         Self { asked, is_hit: false }
     }
 
@@ -184,7 +203,7 @@ impl<'a> Answered<'a> for AnyQuery<'a> {
     }
 }
 
-impl Query for AnyQuery<'_> {
+impl<Y: Layout> Query for AnyQuery<'_, Y> {
     const ORDERED: bool = false;
 
     #[inline(always)]
@@ -203,46 +222,49 @@ impl Query for AnyQuery<'_> {
     }
 }
 
-impl AnyQuery<'_> {
+impl<Y: Layout> AnyQuery<'_, Y> {
     #[cold]
     #[inline(never)]
     fn decide(&self, ray: &TraversalRay, leaf: Child, lane: usize) -> bool {
-        let Some(leaf) = self.asked.leaf(leaf) else { return false };
+        let mut scratch = Y::Scratch::new();
+        let Some(leaf) = self.asked.leaf(leaf, &mut scratch) else { return false };
         ExactRay::unfiltered(ray).intersect_triangle(&leaf.vertices(lane), self.asked.interval, &mut ()).is_some()
     }
 }
 
 /// All hits, for a visitor.
-pub(crate) struct All<'a, 'v> {
-    pub(crate) tree: &'a WideTree,
+pub(crate) struct All<'a, 'v, Y> {
+    pub(crate) triangles: &'a Triangles,
     pub(crate) ray: &'a TraversalRay,
     pub(crate) interval: Interval,
     pub(crate) visitor: &'v mut dyn HitVisitor,
+    pub(crate) layout: PhantomData<Y>,
 }
 
-impl Kernel for All<'_, '_> {
+impl<Y: Layout> Kernel for All<'_, '_, Y> {
     type Output = Visit;
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> Visit {
-        let Self { tree, ray, interval, visitor } = self;
+        let Self { triangles, ray, interval, visitor, .. } = self;
         let visit = ControlFlow::Continue(interval.t_max());
-        let mut query = AllQuery { asked: Asked::new(tree, ray, interval), visitor, work: Work::default(), visit };
-        traverse::<L>(&tree.arena, tree.root, ray, interval, &mut query);
+        let asked = Asked::<Y>::new(triangles, ray, interval);
+        let mut query = AllQuery { asked, visitor, work: Work::default(), visit };
+        traverse::<L, Y::Node>(&triangles.tree.arena, triangles.tree.root, ray, interval, &mut query);
         let AllQuery { visitor, work, visit, .. } = query;
         visitor.work(work);
         visit
     }
 }
 
-struct AllQuery<'a, 'v> {
-    asked: Asked<'a>,
+struct AllQuery<'a, 'v, Y> {
+    asked: Asked<'a, Y>,
     visitor: &'v mut dyn HitVisitor,
     work: Work,
     visit: Visit,
 }
 
-impl Query for AllQuery<'_, '_> {
+impl<Y: Layout> Query for AllQuery<'_, '_, Y> {
     const ORDERED: bool = true;
 
     #[inline(always)]
@@ -262,10 +284,11 @@ impl Query for AllQuery<'_, '_> {
     }
 }
 
-impl AllQuery<'_, '_> {
+impl<Y: Layout> AllQuery<'_, '_, Y> {
     #[inline(never)]
     fn tell(&mut self, ray: &TraversalRay, leaf: Child, maybe: u32) {
-        let Some(leaf) = self.asked.leaf(leaf) else { return };
+        let mut scratch = Y::Scratch::new();
+        let Some(leaf) = self.asked.leaf(leaf, &mut scratch) else { return };
         let exact = ExactRay::unfiltered(ray);
         for lane in LanesOf(maybe) {
             let ControlFlow::Continue(t_max) = self.visit else { return };

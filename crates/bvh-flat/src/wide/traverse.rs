@@ -6,6 +6,7 @@ use geometry::{Interval, TraversalRay};
 
 use super::arena::{Arena, Child};
 use super::box_ray::{BoxLanes, Slabs, is_regular};
+use super::node::WideNode;
 use crate::MAX_DEPTH;
 use crate::simd::{Lanes, LanesOf, Stack};
 
@@ -73,7 +74,7 @@ impl<L: Lanes> Way<L> {
     /// coherent rays where it is right, but 10 % more on kitchen's, where it is wrong), and the others in no order (6 % more
     /// nodes on sponza's diffuse rays).
     #[inline(always)]
-    pub(crate) fn step<const REGULAR: bool, Q: Query>(
+    pub(crate) fn step<const REGULAR: bool, N: WideNode, Q: Query>(
         &mut self,
         arena: &Arena,
         ray: &TraversalRay,
@@ -89,9 +90,10 @@ impl<L: Lanes> Way<L> {
             return self.stack.pop(self.t_max).map(Next::Back);
         }
         query.node();
-        let node = arena.node(at.line())?;
+        let node = N::read(arena.lines(at.line())?)?;
         let slabs = self.lanes.slabs::<REGULAR>(node);
-        let met = slabs.met::<REGULAR>();
+        let children = L::load_u32(node.children());
+        let met = boxes_met::<L, REGULAR, N>(&slabs, children);
         // One child or none, most often.
         let others = met & met.wrapping_sub(1);
         if others == 0 {
@@ -103,7 +105,6 @@ impl<L: Lanes> Way<L> {
         for lane in LanesOf(met) {
             arena.prefetch(node.child(lane as u32).place());
         }
-        let children = L::load_u32(node.children());
         if !Q::ORDERED {
             self.stack.push::<L>(children, slabs.entry, met)?;
             return self.stack.pop(self.t_max).map(Next::Down);
@@ -117,16 +118,24 @@ impl<L: Lanes> Way<L> {
             let entry = L::permute(slabs.entry, orders, self.shift);
             let exit = L::permute(slabs.exit, orders, self.shift);
             let children = L::permute_u32(children, orders, self.shift);
-            let met = Slabs::<L> { entry, exit }.met::<REGULAR>() & !L::eq_u32(children, L::splat_u32(next.0));
+            let met = boxes_met::<L, REGULAR, N>(&Slabs { entry, exit }, children)
+                & !L::eq_u32(children, L::splat_u32(next.0));
             self.stack.push::<L>(children, entry, met)?;
         }
         Some(Next::Down(next))
     }
 }
 
+/// The lanes with a child whose box is met.
+#[inline(always)]
+fn boxes_met<L: Lanes, const REGULAR: bool, N: WideNode>(slabs: &Slabs<L>, children: L::U32) -> u32 {
+    let met = slabs.met::<REGULAR>();
+    if N::HAS_EMPTY_BOXES { met } else { met & !L::eq_u32(children, L::splat_u32(0)) }
+}
+
 /// Shows `query` the leaves that a ray comes to.
 #[inline(always)]
-pub(crate) fn traverse<L: Lanes>(
+pub(crate) fn traverse<L: Lanes, N: WideNode>(
     arena: &Arena,
     root: Option<Child>,
     ray: &TraversalRay,
@@ -135,14 +144,14 @@ pub(crate) fn traverse<L: Lanes>(
 ) {
     let Some(root) = root.filter(|_| !interval.is_empty()) else { return };
     if is_regular(ray) {
-        traverse_as::<L, true>(arena, root, ray, interval, query);
+        traverse_as::<L, true, N>(arena, root, ray, interval, query);
     } else {
-        traverse_as::<L, false>(arena, root, ray, interval, query);
+        traverse_as::<L, false, N>(arena, root, ray, interval, query);
     }
 }
 
 #[inline(always)]
-fn traverse_as<L: Lanes, const REGULAR: bool>(
+fn traverse_as<L: Lanes, const REGULAR: bool, N: WideNode>(
     arena: &Arena,
     root: Child,
     ray: &TraversalRay,
@@ -152,6 +161,6 @@ fn traverse_as<L: Lanes, const REGULAR: bool>(
     let mut way = Way::<L>::new::<REGULAR>(ray, interval);
     let mut next = Some(root);
     while let Some(at) = next {
-        next = way.step::<REGULAR, _>(arena, ray, at, query).map(Next::child);
+        next = way.step::<REGULAR, N, _>(arena, ray, at, query).map(Next::child);
     }
 }

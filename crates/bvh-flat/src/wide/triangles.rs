@@ -1,42 +1,162 @@
 //! Triangles in the leaves of a wide tree.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use geometry::TriangleMesh;
 use geometry::glam::Vec3;
 
-use super::arena::{Arena, Child, Line};
-use super::collapse::LeafWriter;
+use super::arena::{Child, Line};
+use super::collapse::{LeafWriter, WideTree};
+use super::node::{CompactNode, FullNode, WideNode};
 use crate::simd::LEAF_NUMBERS;
 
 /// Numbers of primitives are stored with this added: small ones, read as f32 by a load that begins in the numbers before
 /// them, would be denormal, which some processors are slow at.
 const BIAS: u32 = 0x3f80_0000;
 
-/// Writes the triangles of a mesh into leaves. Of n triangles: their largest extent along any axis; nine times n
-/// coordinates, of the first vertices x, y and z, of the second, of the third; and n numbers.
-///
-/// They are not padded to eight: a load of eight lanes goes on into what follows, and the lanes from n on are masked.
-pub(crate) struct TriangleBlocks<'a> {
-    pub(crate) mesh: &'a TriangleMesh,
-    pub(crate) order: &'a [u32],
+/// How the triangles of a wide tree are kept.
+pub(crate) trait Layout: Copy + 'static {
+    /// The form of the nodes.
+    type Node: WideNode;
+
+    /// Room for the numbers of a leaf where they are not in the arena.
+    type Scratch: Scratch;
+
+    /// The words of a leaf.
+    fn words(self, mesh: &TriangleMesh, ids: &[u32]) -> Vec<u32>;
+
+    /// The numbers of a leaf, as [`block_words`] has them; `None` where there is none.
+    fn numbers<'a>(
+        triangles: &'a Triangles,
+        leaf: Child,
+        scratch: &'a mut Self::Scratch,
+    ) -> Option<&'a [f32; LEAF_NUMBERS]>;
 }
 
-impl LeafWriter for TriangleBlocks<'_> {
-    fn write(&self, range: Range<usize>, lines: &mut Vec<Line>) -> usize {
-        let place = lines.len();
-        let ids = &self.order[range];
-        let triangles = ids.iter().map(|&i| self.mesh.vertices(i as usize));
-        // Rounded up: a difference of two f32 is wrong by half an ulp.
-        let extent = triangles.clone().map(|v| largest_extent(&v)).fold(0.0, f32::max).next_up();
-        let mut words = vec![extent.to_bits()];
-        for vertex in 0..3 {
-            for axis in 0..3 {
-                words.extend(triangles.clone().map(|v| v[vertex][axis].to_bits()));
+/// What a wide tree over a mesh consists of.
+#[derive(Debug)]
+pub(crate) struct Triangles {
+    pub(crate) mesh: Arc<TriangleMesh>,
+    pub(crate) tree: WideTree,
+}
+
+/// Room that need not be initialised with anything in particular.
+pub(crate) trait Scratch {
+    fn new() -> Self;
+}
+
+impl Scratch for () {
+    #[inline(always)]
+    fn new() -> Self {}
+}
+
+impl Scratch for [f32; LEAF_NUMBERS] {
+    #[inline(always)]
+    fn new() -> Self {
+        [0.0; LEAF_NUMBERS]
+    }
+}
+
+/// Leaves have their own copies of the vertices, in blocks. About 58 bytes a triangle.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Blocks;
+
+/// Leaves name their triangles, and the vertices are read from the mesh; boxes are quantised. About 19 bytes a triangle.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Compact;
+
+impl Layout for Blocks {
+    type Node = FullNode;
+    type Scratch = ();
+
+    fn words(self, mesh: &TriangleMesh, ids: &[u32]) -> Vec<u32> {
+        block_words(mesh, ids)
+    }
+
+    #[inline(always)]
+    fn numbers<'a>(triangles: &'a Triangles, leaf: Child, (): &'a mut ()) -> Option<&'a [f32; LEAF_NUMBERS]> {
+        triangles.tree.arena.leaf(leaf.place())
+    }
+}
+
+impl Layout for Compact {
+    type Node = CompactNode;
+    type Scratch = [f32; LEAF_NUMBERS];
+
+    /// The largest extent, and the numbers.
+    fn words(self, mesh: &TriangleMesh, ids: &[u32]) -> Vec<u32> {
+        let extent = largest_extent(mesh, ids).to_bits();
+        std::iter::once(extent).chain(ids.iter().map(|id| id.wrapping_add(BIAS))).collect()
+    }
+
+    #[inline(always)]
+    fn numbers<'a>(
+        triangles: &'a Triangles,
+        leaf: Child,
+        scratch: &'a mut [f32; LEAF_NUMBERS],
+    ) -> Option<&'a [f32; LEAF_NUMBERS]> {
+        let (stored, count) = (triangles.tree.arena.leaf(leaf.place())?, leaf.count());
+        gather(&triangles.mesh, stored, count, scratch)?;
+        Some(scratch)
+    }
+}
+
+/// Makes the block of a compact leaf.
+#[inline(never)]
+fn gather(
+    mesh: &TriangleMesh,
+    stored: &[f32; LEAF_NUMBERS],
+    count: usize,
+    block: &mut [f32; LEAF_NUMBERS],
+) -> Option<()> {
+    block[0] = stored[0];
+    for (lane, id) in stored[1..].iter().take(count).enumerate() {
+        let triangle = mesh.triangles().get(id.to_bits().wrapping_sub(BIAS) as usize)?;
+        for (vertex, &index) in triangle.iter().enumerate() {
+            let position = mesh.positions().get(index as usize)?.to_array();
+            for (axis, x) in position.into_iter().enumerate() {
+                *block.get_mut(1 + (3 * vertex + axis) * count + lane)? = x;
             }
         }
-        words.extend(ids.iter().map(|id| id.wrapping_add(BIAS)));
-        lines.extend(words.chunks(16).map(|chunk| {
+        *block.get_mut(1 + 9 * count + lane)? = *id;
+    }
+    Some(())
+}
+
+/// The block of some triangles. Of n: their largest extent along any axis; nine times n coordinates, of the first vertices x,
+/// y and z, of the second, of the third; and n numbers.
+///
+/// They are not padded to eight: a load of eight lanes goes on into what follows, and the lanes from n on are masked.
+fn block_words(mesh: &TriangleMesh, ids: &[u32]) -> Vec<u32> {
+    let triangles = ids.iter().map(|&i| mesh.vertices(i as usize));
+    let mut words = vec![largest_extent(mesh, ids).to_bits()];
+    for vertex in 0..3 {
+        for axis in 0..3 {
+            words.extend(triangles.clone().map(|v| v[vertex][axis].to_bits()));
+        }
+    }
+    words.extend(ids.iter().map(|id| id.wrapping_add(BIAS)));
+    words
+}
+
+/// The largest extent of any of the triangles along an axis, rounded up: a difference of two f32 is wrong by half an ulp.
+fn largest_extent(mesh: &TriangleMesh, ids: &[u32]) -> f32 {
+    let extent = |v: [Vec3; 3]| (v[0].max(v[1]).max(v[2]) - v[0].min(v[1]).min(v[2])).max_element();
+    ids.iter().map(|&i| extent(mesh.vertices(i as usize))).fold(0.0, f32::max).next_up()
+}
+
+/// Writes leaves of a layout.
+pub(crate) struct TriangleWriter<'a, Y> {
+    pub(crate) mesh: &'a TriangleMesh,
+    pub(crate) order: &'a [u32],
+    pub(crate) layout: Y,
+}
+
+impl<Y: Layout> LeafWriter for TriangleWriter<'_, Y> {
+    fn write(&self, range: Range<usize>, lines: &mut Vec<Line>) -> usize {
+        let place = lines.len();
+        lines.extend(self.layout.words(self.mesh, &self.order[range]).chunks(16).map(|chunk| {
             let mut line = Line::default();
             line.0[..chunk.len()].copy_from_slice(chunk);
             line
@@ -52,11 +172,7 @@ impl LeafWriter for TriangleBlocks<'_> {
     }
 }
 
-fn largest_extent(v: &[Vec3; 3]) -> f32 {
-    (v[0].max(v[1]).max(v[2]) - v[0].min(v[1]).min(v[2])).max_element()
-}
-
-/// A triangle of a leaf.
+/// The triangles of a leaf.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TriangleLeaf<'a> {
     numbers: &'a [f32; LEAF_NUMBERS],
@@ -65,8 +181,8 @@ pub(crate) struct TriangleLeaf<'a> {
 
 impl<'a> TriangleLeaf<'a> {
     #[inline(always)]
-    pub(crate) fn new(arena: &'a Arena, leaf: Child) -> Option<Self> {
-        Some(Self { numbers: arena.leaf(leaf.place())?, count: leaf.count() })
+    pub(crate) fn new<Y: Layout>(triangles: &'a Triangles, leaf: Child, scratch: &'a mut Y::Scratch) -> Option<Self> {
+        Some(Self { numbers: Y::numbers(triangles, leaf, scratch)?, count: leaf.count() })
     }
 
     #[inline(always)]
