@@ -75,10 +75,10 @@ fn small_meshes_have_the_same_hits() {
 /// A tree so large that the rays of a batch are interleaved.
 #[test]
 fn interleaved_rays_have_the_same_hits() {
-    let terrain = BuiltIn::parse("terrain:200k").and_then(|terrain| terrain.scene(1)).expect("built in");
+    let terrain = BuiltIn::parse("terrain:300k").and_then(|terrain| terrain.scene(1)).expect("built in");
     let mesh = only_mesh(&terrain);
     let wide = WideMesh::build(Arc::clone(&mesh), &BuildConfig::default()).expect("the default is valid");
-    assert!(wide.memory() > 8 << 20);
+    assert!(wide.memory() > 16 << 20);
     let mut segments: Vec<RaySegment> = rays_at(&mesh, &mesh.object_bound(), 9_000, 3)
         .iter()
         .filter_map(|(ray, interval)| Some(segment(&(TraversalRay::new(ray)?, *interval))))

@@ -12,8 +12,8 @@ use rayon::slice::{ParallelSlice, ParallelSliceMut};
 
 use crate::simd::SimdWidth;
 use crate::wide::{
-    All, Answered, AnyQuery, Blocks, ClosestQuery, Compact, LARGE_FOR_ANY, LARGE_FOR_CLOSEST, Layout, Many, One,
-    TriangleWriter, Triangles, collapse,
+    All, Answered, AnyQuery, Blocks, ClosestQuery, Compact, LARGE, Layout, Many, One, TriangleWriter, Triangles,
+    collapse,
 };
 #[cfg(feature = "build")]
 use crate::wide::{FullNode, MAX_LINES, WideNode};
@@ -137,16 +137,16 @@ impl WideMesh {
     /// their way at once, and while one waits for the memory, others go on.
     pub fn intersect_many(&self, rays: &[RaySegment], hits: &mut [Option<Hit>]) {
         match self.layout {
-            WideLayout::Blocks => self.many::<ClosestQuery<Blocks>>(rays, hits, LARGE_FOR_CLOSEST),
-            WideLayout::Compact => self.many::<ClosestQuery<Compact>>(rays, hits, LARGE_FOR_CLOSEST),
+            WideLayout::Blocks => self.many::<ClosestQuery<Blocks>>(rays, hits),
+            WideLayout::Compact => self.many::<ClosestQuery<Compact>>(rays, hits),
         }
     }
 
     /// Whether each ray hits anything, as [`intersect_p`](Shape::intersect_p) finds it; as many as there are of both.
     pub fn intersect_p_many(&self, rays: &[RaySegment], hits: &mut [bool]) {
         match self.layout {
-            WideLayout::Blocks => self.many::<AnyQuery<Blocks>>(rays, hits, LARGE_FOR_ANY),
-            WideLayout::Compact => self.many::<AnyQuery<Compact>>(rays, hits, LARGE_FOR_ANY),
+            WideLayout::Blocks => self.many::<AnyQuery<Blocks>>(rays, hits),
+            WideLayout::Compact => self.many::<AnyQuery<Compact>>(rays, hits),
         }
     }
 
@@ -164,8 +164,8 @@ impl WideMesh {
         chunks.for_each(|(rays, hits)| self.intersect_p_many(rays, hits));
     }
 
-    fn many<'a, Q: Answered<'a>>(&'a self, rays: &[RaySegment], answers: &mut [Q::Answer], large: usize) {
-        self.width.run(Many::<Q> { triangles: &self.triangles, rays, answers, large, query: PhantomData });
+    fn many<'a, Q: Answered<'a>>(&'a self, rays: &[RaySegment], answers: &mut [Q::Answer]) {
+        self.width.run(Many::<Q> { triangles: &self.triangles, rays, answers, large: LARGE, query: PhantomData });
     }
 
     #[inline(always)]

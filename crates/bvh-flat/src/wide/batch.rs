@@ -7,6 +7,7 @@ use geometry::{Interval, Ray, TraversalRay};
 
 use super::arena::Child;
 use super::box_ray::is_regular;
+use super::collapse::WideTree;
 use super::queries::{Answered, Asked, answer};
 use super::traverse::{Next, Way};
 use super::triangles::{Layout, Triangles};
@@ -19,24 +20,33 @@ const FLIGHTS: usize = 10;
 /// How many rays are looked at to choose how they are traced.
 const CHUNK: usize = 4096;
 
-/// From how many bytes of a tree on rays are interleaved, if they go apart. What interleaving gives (Mray/s before and
-/// after, one core of an AMD EPYC with 1 MiB of L2, 2026-11-25): closest hit of random rays, 4 MB 5.2 and 5.6; 20 MB 2.7 and
-/// 4.7; 52 MB 2.3 and 3.9; 149 MB 0.65 and 1.17. Of coherent rays it takes 10 % at every size.
-pub(crate) const LARGE_FOR_CLOSEST: usize = 8 << 20;
+/// The least tree, in bytes, for which rays may be interleaved: what the caches do not hold. Of a tree of 9 MB interleaving
+/// takes 5 % of the speed, whatever the rays.
+pub(crate) const LARGE: usize = 16 << 20;
 
-/// The same for any hit, where a ray visits less before it ends: 20 MB 5.0 and 3.5; 52 MB 3.9 and 3.8; 84 MB 9.7 and 8.3;
-/// 149 MB 1.1 and 1.65.
-pub(crate) const LARGE_FOR_ANY: usize = 128 << 20;
+/// From how many expected steps of a random ray on rays are interleaved that begin together and go apart: closest hit, and
+/// any hit, which ends sooner.
+///
+/// What interleaving gave them (Mray/s before and after, one core of an AMD EPYC with 1 MiB of L2, 2026-11-25): kitchen, 11
+/// steps, 4.6 and 4.2; black-forest, 9 steps, 2.9 and 2.4; dragon, 18 steps, 3.7 and 4.2; a hairball of 2.9 M triangles,
+/// 116 steps, 0.91 and 1.25. For any hit: hall, 13 steps, 7.3 and 5.3; dragon 3.9 and 3.8; the hairball 1.1 and 1.6.
+/// Of rays that also begin apart: dragon 2.2 and 4.0, terrain-rainier 3.0 and 5.0, the hairball 0.67 and 1.1; but kitchen 7.7
+/// and 6.8. Of coherent rays it takes 10 % on every tree.
+const MANY_STEPS: [f64; 2] = [15.0, 50.0];
 
 /// The mean cosine between the directions of neighbouring rays above which they go the same way.
-const COHERENT: f32 = 0.9;
+const SAME_WAY: f32 = 0.9;
+
+/// The mean distance between the origins of neighbouring rays, as a part of the tree's diagonal, below which they begin
+/// together.
+const TOGETHER: f32 = 0.1;
 
 /// A query `Q` of many rays.
 pub(crate) struct Many<'a, 'r, Q: Answered<'a>> {
     pub(crate) triangles: &'a Triangles,
     pub(crate) rays: &'r [RaySegment],
     pub(crate) answers: &'r mut [Q::Answer],
-    /// From how many bytes of a tree on rays are interleaved, if they go apart.
+    /// The least tree for which rays may be interleaved: [`LARGE`], but for tests.
     pub(crate) large: usize,
     pub(crate) query: PhantomData<Q>,
 }
@@ -50,7 +60,7 @@ impl<'a, Q: Answered<'a>> Kernel for Many<'a, '_, Q> {
         let tree = &triangles.tree;
         for (rays, answers) in rays.chunks(CHUNK).zip(answers.chunks_mut(CHUNK)) {
             match tree.root {
-                Some(root) if tree.arena.memory() >= large && !are_coherent(rays) => {
+                Some(root) if tree.arena.memory() >= large && gains(tree, rays, Q::ORDERED) => {
                     interleaved::<L, Q>(triangles, root, rays, answers);
                 }
                 _ => one_by_one::<L, Q>(triangles, rays, answers),
@@ -59,12 +69,19 @@ impl<'a, Q: Answered<'a>> Kernel for Many<'a, '_, Q> {
     }
 }
 
-/// Whether neighbouring rays go the same way, as every sixteenth pair of them tells.
-fn are_coherent(rays: &[RaySegment]) -> bool {
+/// Whether rays gain by being interleaved, as every sixteenth pair of neighbours tells.
+fn gains(tree: &WideTree, rays: &[RaySegment], is_closest: bool) -> bool {
     let direction = |ray: &RaySegment| Vec3::from(ray.direction).normalize_or_zero();
-    let cosines = rays.windows(2).step_by(16).map(|pair| direction(&pair[0]).dot(direction(&pair[1])));
-    let (sum, count) = cosines.fold((0.0, 0.0_f32), |(sum, count), cosine| (sum + cosine, count + 1.0));
-    sum >= COHERENT * count
+    let (mut cosines, mut distances, mut count) = (0.0, 0.0, 0.0);
+    for pair in rays.windows(2).step_by(16) {
+        cosines += direction(&pair[0]).dot(direction(&pair[1]));
+        distances += Vec3::from(pair[0].origin).distance(pair[1].origin.into());
+        count += 1.0;
+    }
+    let go_the_same_way = cosines >= SAME_WAY * count;
+    let begin_together = distances <= TOGETHER * count * tree.bounds.diagonal().length();
+    let many = MANY_STEPS[usize::from(!is_closest)];
+    !go_the_same_way && (!begin_together || tree.expected_steps >= many)
 }
 
 /// A ray that can be traced, and where.
@@ -227,7 +244,7 @@ mod tests {
                 RaySegment { origin: (1.5 * random.vector()).into(), t_min: 0.0, direction: direction.into(), t_max }
             })
             .collect();
-        assert!(!are_coherent(&rays) && are_coherent(&rays[..1]));
+        assert!(gains(&blocks.tree, &rays, true) && !gains(&blocks.tree, &rays[..1], true));
         let alone = rays.iter().map(|ray| prepared(ray).and_then(|(ray, interval)| wide.intersect(&ray, interval)));
         let alone: Vec<_> = alone.collect();
         assert!(alone.iter().flatten().count() > 1000 && alone.contains(&None));

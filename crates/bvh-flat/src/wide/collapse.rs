@@ -16,6 +16,9 @@ pub(crate) struct WideTree {
     /// `None` where there is nothing to hit.
     pub(crate) root: Option<Child>,
     pub(crate) bounds: Bounds3,
+    /// How many steps, to nodes and leaves, a random ray through the bounds is expected to make: the cost of the surface
+    /// area heuristic.
+    pub(crate) expected_steps: f64,
 }
 
 /// Puts the primitives at a range of the order, at most eight, where a leaf of them finds them.
@@ -45,10 +48,13 @@ struct Plan {
 /// over all nodes and leaves. `None` where the result would not fit an [`Arena`].
 pub(crate) fn collapse<N: WideNode>(bvh: &FlatBvh, writer: &impl LeafWriter) -> Option<WideTree> {
     let binary = Binary::new(bvh);
-    let plans = binary.plan(writer);
+    let (plans, cost) = binary.plan(writer);
     let mut lines = Vec::new();
     let root = if binary.nodes.is_empty() { None } else { Some(binary.emit::<N>(&plans, 0, writer, &mut lines)?) };
-    Some(WideTree { arena: Arena::new(lines), root, bounds: bvh.bounds() })
+    let bounds = bvh.bounds();
+    let area = bounds.surface_area();
+    let expected_steps = if area > 0.0 { cost / area } else { 0.0 };
+    Some(WideTree { arena: Arena::new(lines), root, bounds, expected_steps })
 }
 
 /// A node of the binary tree, with its primitives.
@@ -92,7 +98,8 @@ impl Binary {
         Self { nodes }
     }
 
-    fn plan(&self, writer: &impl LeafWriter) -> Vec<Plan> {
+    /// The plan of every node, and the cost of it all.
+    fn plan(&self, writer: &impl LeafWriter) -> (Vec<Plan>, f64) {
         let mut plans = vec![Plan::default(); self.nodes.len()];
         // From the back, so that children come before their parent, and the first child's costs are on top.
         let mut stack: Vec<Costs> = Vec::new();
@@ -124,7 +131,8 @@ impl Binary {
             }
             stack.push(costs);
         }
-        plans
+        let cost = stack.last().map_or(0.0, |costs| costs[0]);
+        (plans, cost)
     }
 
     /// The children as which a node is put under a wide one.

@@ -13,7 +13,7 @@ mod triangles;
 #[cfg(feature = "build")]
 pub(crate) use arena::MAX_LINES;
 pub(crate) use arena::{Child, Line};
-pub(crate) use batch::{LARGE_FOR_ANY, LARGE_FOR_CLOSEST, Many};
+pub(crate) use batch::{LARGE, Many};
 pub(crate) use collapse::{LeafWriter, WideTree, collapse};
 pub(crate) use node::FullNode;
 #[cfg(feature = "build")]
