@@ -3,8 +3,10 @@
 use std::sync::Arc;
 
 use bvh_flat::geometry::glam::Vec3;
-use bvh_flat::geometry::{Hit, Interval, Shape, TraversalRay, TriangleMesh};
-use bvh_flat::{BuildConfig, MeshBvh, SimdWidth, SplitMethod, WideMesh};
+use bvh_flat::geometry::{Hit, Interval, Ray, Shape, TraversalRay, TriangleMesh};
+use bvh_flat::{BuildConfig, MeshBvh, RaySegment, SimdWidth, SplitMethod, WideMesh};
+
+use scene::BuiltIn;
 
 use crate::support::{only_mesh, rays_at, real_scenes};
 
@@ -12,12 +14,19 @@ fn bits(hit: Option<Hit>) -> Option<(u32, u32, u32, u64)> {
     hit.map(|h| (h.t.to_bits(), h.u.to_bits(), h.v.to_bits(), h.primitive))
 }
 
-/// Closest, any and all hits of every width and split method equal those of the binary tree.
+fn segment((ray, interval): &(TraversalRay, Interval)) -> RaySegment {
+    let ray = ray.ray();
+    let (origin, direction) = (ray.origin.into(), ray.direction.into());
+    RaySegment { origin, t_min: interval.t_min(), direction, t_max: interval.t_max() }
+}
+
+/// Closest and any hits of every width and split method equal those of the binary tree.
 fn check(name: &str, mesh: &Arc<TriangleMesh>, count: usize, seed: u64) {
     let reference = MeshBvh::build(Arc::clone(mesh), &BuildConfig::default()).expect("the default is valid").exact();
     let rays = rays_at(mesh, &mesh.object_bound(), count, seed);
     let rays: Vec<(TraversalRay, Interval)> =
         rays.iter().filter_map(|(ray, interval)| Some((TraversalRay::new(ray)?, *interval))).collect();
+    let segments: Vec<RaySegment> = rays.iter().map(segment).collect();
     let answers: Vec<_> = rays.iter().map(|(ray, interval)| bits(reference.intersect(ray, *interval))).collect();
     assert!(answers.iter().flatten().count() > count / 4, "{name}: rays that hit nothing prove nothing");
     for method in SplitMethod::ALL {
@@ -32,6 +41,12 @@ fn check(name: &str, mesh: &Arc<TriangleMesh>, count: usize, seed: u64) {
                     assert_eq!(bits(wide.intersect(ray, *interval)), *answer, "{}", what());
                     assert_eq!(wide.intersect_p(ray, *interval), answer.is_some(), "{}", what());
                 }
+                let mut hits = vec![None; segments.len()];
+                wide.intersect_many(&segments, &mut hits);
+                assert!(hits.iter().zip(&answers).all(|(hit, answer)| bits(*hit) == *answer), "{name}: a batch");
+                let mut occluded = vec![false; segments.len()];
+                wide.intersect_p_many(&segments, &mut occluded);
+                assert!(occluded.iter().zip(&answers).all(|(any, answer)| *any == answer.is_some()), "{name}: a batch");
             }
         }
     }
@@ -54,4 +69,33 @@ fn small_meshes_have_the_same_hits() {
         let triangles = (0..count as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
         check("random", &Arc::new(TriangleMesh::new(positions, triangles).expect("in range")), 200, count);
     }
+}
+
+/// A tree so large that the rays of a batch are interleaved.
+#[test]
+fn interleaved_rays_have_the_same_hits() {
+    let terrain = BuiltIn::parse("terrain:200k").and_then(|terrain| terrain.scene(1)).expect("built in");
+    let mesh = only_mesh(&terrain);
+    let wide = WideMesh::build(Arc::clone(&mesh), &BuildConfig::default()).expect("the default is valid");
+    assert!(wide.memory() > 8 << 20);
+    let mut segments: Vec<RaySegment> = rays_at(&mesh, &mesh.object_bound(), 9_000, 3)
+        .iter()
+        .filter_map(|(ray, interval)| Some(segment(&(TraversalRay::new(ray)?, *interval))))
+        .collect();
+    for i in (0..segments.len()).step_by(50) {
+        segments[i].direction[i % 3] = f32::NAN;
+    }
+    let mut hits = vec![None; segments.len() - 7];
+    wide.intersect_many(&segments, &mut hits);
+    let mut in_parallel = vec![None; segments.len()];
+    wide.par_intersect_many(&segments, &mut in_parallel);
+    let mut found = 0;
+    for (i, ray) in segments.iter().enumerate() {
+        let interval = Interval::new(ray.t_min, ray.t_max);
+        let alone = TraversalRay::new(&Ray::new(ray.origin, ray.direction)).and_then(|r| wide.intersect(&r, interval));
+        found += usize::from(alone.is_some());
+        assert_eq!(bits(in_parallel[i]), bits(alone), "{ray:?}");
+        assert!(hits.get(i).is_none_or(|hit| bits(*hit) == bits(alone)), "{ray:?}");
+    }
+    assert!(found > segments.len() / 4);
 }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use bvh_flat::geometry::{Interval, Ray as GeometryRay, Shape, TraversalRay, TriangleMesh};
-use bvh_flat::{BuildConfig, MeshBvh, SimdWidth, WideMesh};
+use bvh_flat::{BuildConfig, MeshBvh, RaySegment, SimdWidth, WideMesh};
 
 use crate::{Hit, Ray};
 
@@ -30,6 +30,10 @@ pub const VARIANTS: &[(&str, Build)] = &[
     }),
     ("ours watertight", |mesh| wide(mesh, BuildConfig::balanced(), SimdWidth::widest())),
     ("ours high", |mesh| wide(mesh, BuildConfig::high_quality(), SimdWidth::widest())),
+    ("ours batch", |mesh| {
+        let wide = WideMesh::build(Arc::clone(mesh), &BuildConfig::high_quality()).expect("the preset is valid");
+        Box::new(Batch(wide))
+    }),
     ("ours avx2", |mesh| wide(mesh, BuildConfig::balanced(), SimdWidth::avx2().unwrap_or_default())),
     ("ours portable", |mesh| wide(mesh, BuildConfig::balanced(), SimdWidth::PORTABLE)),
     ("ours exact", |mesh| {
@@ -42,8 +46,7 @@ pub const VARIANTS: &[(&str, Build)] = &[
 
 /// A wide tree, whose leaves the collapse makes.
 fn wide(mesh: &Arc<TriangleMesh>, config: BuildConfig, width: SimdWidth) -> Box<dyn Variant> {
-    let bvh = binary(mesh, config.with_max_primitives_in_leaf(1));
-    let wide = WideMesh::new(&bvh).expect("small enough").with_simd_width(width);
+    let wide = WideMesh::build(Arc::clone(mesh), &config).expect("the preset is valid").with_simd_width(width);
     one_by_one(wide.memory(), wide)
 }
 
@@ -80,6 +83,44 @@ impl<S: Shape + Send> Variant for OneByOne<S> {
 
     fn bytes(&self) -> usize {
         self.bytes
+    }
+}
+
+/// A mesh that is asked all rays in one call.
+struct Batch(WideMesh);
+
+impl Batch {
+    /// The rays as the library has them: the same 32 bytes.
+    fn segments(rays: &[Ray]) -> impl Iterator<Item = (usize, Vec<RaySegment>)> {
+        let segment = |r: &Ray| RaySegment { origin: r.o, t_min: r.t_min, direction: r.d, t_max: r.t_max };
+        rays.chunks(4096).enumerate().map(move |(i, rays)| (4096 * i, rays.iter().map(segment).collect()))
+    }
+}
+
+impl Variant for Batch {
+    fn closest(&self, rays: &[Ray], hits: &mut [Hit]) {
+        let mut found = vec![None; 4096];
+        for (first, segments) in Self::segments(rays) {
+            self.0.intersect_many(&segments, &mut found);
+            for (hit, found) in hits[first..].iter_mut().zip(&found[..segments.len()]) {
+                *hit = found.map_or(Hit::MISS, |h| Hit { t: h.t, primitive: h.primitive as u32 });
+            }
+        }
+    }
+
+    fn any(&self, rays: &[Ray], occluded: &mut [u8]) -> bool {
+        let mut found = vec![false; 4096];
+        for (first, segments) in Self::segments(rays) {
+            self.0.intersect_p_many(&segments, &mut found);
+            for (occluded, found) in occluded[first..].iter_mut().zip(&found[..segments.len()]) {
+                *occluded = u8::from(*found);
+            }
+        }
+        true
+    }
+
+    fn bytes(&self) -> usize {
+        self.0.memory()
     }
 }
 

@@ -1,10 +1,14 @@
 //! Primitives with a tree over them.
 
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Range};
 
-use geometry::{Bounds3, Hit, HitVisitor, Interval, MappedVisitor, TraversalRay, Visit, Watertight};
+use geometry::{Bounds3, Hit, HitVisitor, Interval, MappedVisitor, TraversalRay, Visit, Work};
 use primitive::{HitKind, Primitive, PrimitiveList, SurfaceInteraction};
 
+use crate::simd::{Kernel, Lanes, SimdWidth};
+use crate::wide::{Child, LeafWriter, Line, Query, WideTree, collapse, traverse};
+#[cfg(feature = "build")]
+use crate::wide::{MAX_LINES, NODE_LINES};
 #[cfg(feature = "build")]
 use crate::{BuildConfig, BuildError, BuildObserver};
 use crate::{FlatBvh, InvalidBvh};
@@ -12,10 +16,14 @@ use crate::{FlatBvh, InvalidBvh};
 /// Primitives with a tree over their bounds: pbrt's BVHAggregate, and a [`Primitive`] itself. With `P = Box<dyn
 /// Primitive>` it mixes anything; with an enum of a scene's own kinds there is no dispatch. Every answer is the same, bit
 /// for bit, as that of the [`PrimitiveList`] alone, whatever the tree.
+///
+/// Rays go through a wide tree, eight boxes at a time, that is collapsed from the flat one.
 #[derive(Clone, Debug)]
 pub struct BvhAggregate<P> {
     list: PrimitiveList<P>,
     bvh: FlatBvh,
+    wide: WideTree,
+    width: SimdWidth,
 }
 
 impl<P: Primitive> BvhAggregate<P> {
@@ -40,17 +48,30 @@ impl<P: Primitive> BvhAggregate<P> {
     ) -> Result<Self, BuildError> {
         let bounds: Vec<Bounds3> = members.iter().map(Primitive::world_bound).collect();
         let bvh = FlatBvh::build(&bounds, config, observer)?;
-        Ok(Self { list: PrimitiveList::new(members), bvh })
+        let too_many = BuildError::TooManyPrimitives { count: bounds.len(), limit: MAX_LINES / (1 + NODE_LINES) };
+        Self::assemble(members, bvh).ok_or(too_many)
     }
 
     /// Joins primitives and a tree over their bounds.
     ///
     /// # Errors
     /// [`InvalidBvh::Geometry`] where the tree does not fit the members: not built over as many, a leaf that does not
-    /// contain its members, or an active member that no leaf has.
+    /// contain its members, or an active member that no leaf has. [`InvalidBvh::TooLarge`].
     pub fn from_parts(members: Vec<P>, bvh: FlatBvh) -> Result<Self, InvalidBvh> {
         bvh.validate_against(members.len(), |i| members[i].world_bound())?;
-        Ok(Self { list: PrimitiveList::new(members), bvh })
+        let primitive_count = members.len();
+        Self::assemble(members, bvh).ok_or(InvalidBvh::TooLarge { primitive_count })
+    }
+
+    fn assemble(members: Vec<P>, bvh: FlatBvh) -> Option<Self> {
+        let wide = collapse(&bvh, &Places)?;
+        Some(Self { list: PrimitiveList::new(members), bvh, wide, width: SimdWidth::default() })
+    }
+
+    /// The same members and tree, traversed with another width; members keep their own.
+    #[must_use]
+    pub fn with_simd_width(self, width: SimdWidth) -> Self {
+        Self { width, ..self }
     }
 
     /// The members, as the naive aggregate.
@@ -63,11 +84,54 @@ impl<P: Primitive> BvhAggregate<P> {
         &self.bvh
     }
 
-    /// The member at a place of the order, and the number of its first primitive.
+    /// The memory of both forms of the tree, in bytes.
+    pub fn memory(&self) -> usize {
+        self.bvh.memory() + self.wide.arena.memory()
+    }
+
+    /// The members of a leaf, each with the number of its first primitive.
     #[inline]
-    fn member(&self, place: usize) -> (&P, u64) {
-        let index = self.bvh.order()[place] as usize;
-        (&self.list.members()[index], self.list.first_primitive(index))
+    fn members(&self, leaf: Child) -> impl Iterator<Item = (&P, u64)> {
+        let places = leaf.place()..leaf.place() + leaf.count();
+        self.bvh.order().get(places).into_iter().flatten().map(|&index| {
+            let index = index as usize;
+            (&self.list.members()[index], self.list.first_primitive(index))
+        })
+    }
+
+    fn run<Q: Query>(&self, ray: &TraversalRay, interval: Interval, query: &mut Q) {
+        self.width.run(Traversal { tree: &self.wide, ray, interval, query });
+    }
+}
+
+/// Leaves name their places in the order.
+struct Places;
+
+impl LeafWriter for Places {
+    fn write(&self, range: Range<usize>, _: &mut Vec<Line>) -> usize {
+        range.start
+    }
+
+    /// A member is asked on its own, and most have a tree of their own.
+    fn cost(&self, count: usize) -> f64 {
+        2.0 * count as f64
+    }
+}
+
+/// A query on its way through a tree.
+struct Traversal<'a, Q> {
+    tree: &'a WideTree,
+    ray: &'a TraversalRay,
+    interval: Interval,
+    query: &'a mut Q,
+}
+
+impl<Q: Query> Kernel for Traversal<'_, Q> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        traverse::<L>(&self.tree.arena, self.tree.root, self.ray, self.interval, self.query);
     }
 }
 
@@ -81,39 +145,94 @@ impl<P: Primitive> Primitive for BvhAggregate<P> {
     }
 
     fn visit_hits(&self, ray: &TraversalRay, interval: Interval, kind: HitKind, visitor: &mut dyn HitVisitor) -> Visit {
-        self.bvh.visit_hits::<Watertight>(ray, interval, visitor, |range, mut interval, visitor| {
-            for place in range {
-                let (member, first) = self.member(place);
-                let mut mapped = MappedVisitor::new(visitor, |hit| hit.offset_by(first));
-                interval = interval.with_t_max(member.visit_hits(ray, interval, kind, &mut mapped)?);
-            }
-            ControlFlow::Continue(interval.t_max())
-        })
+        let visit = ControlFlow::Continue(interval.t_max());
+        let mut query = AllQuery { aggregate: self, interval, kind, visitor, nodes: 0, visit };
+        self.run(ray, interval, &mut query);
+        let AllQuery { visitor, nodes, visit, .. } = query;
+        visitor.work(Work { nodes, primitives: 0 });
+        visit
     }
 
     fn intersect(&self, ray: &TraversalRay, interval: Interval) -> Option<Hit> {
-        self.bvh.intersect::<Watertight>(ray, interval, |range, mut interval| {
-            let mut closest: Option<Hit> = None;
-            for place in range {
-                let (member, first) = self.member(place);
-                if let Some(hit) = member.intersect(ray, interval).map(|hit| hit.offset_by(first))
-                    && closest.as_ref().is_none_or(|best| hit.is_before(best))
-                {
-                    interval = interval.with_t_max(hit.t_max_for_ties());
-                    closest = Some(hit);
-                }
-            }
-            closest
-        })
+        let mut query = ClosestQuery { aggregate: self, interval, closest: None };
+        self.run(ray, interval, &mut query);
+        query.closest
     }
 
     fn intersect_p(&self, ray: &TraversalRay, interval: Interval) -> bool {
-        self.bvh.intersect_p::<Watertight>(ray, interval, |mut range, interval| {
-            range.any(|place| self.member(place).0.intersect_p(ray, interval))
-        })
+        let mut query = AnyQuery { aggregate: self, interval, is_hit: false };
+        self.run(ray, interval, &mut query);
+        query.is_hit
     }
 
     fn interaction(&self, ray: &TraversalRay, hit: &Hit) -> SurfaceInteraction {
         self.list.interaction(ray, hit)
+    }
+}
+
+struct ClosestQuery<'a, P> {
+    aggregate: &'a BvhAggregate<P>,
+    interval: Interval,
+    closest: Option<Hit>,
+}
+
+impl<P: Primitive> Query for ClosestQuery<'_, P> {
+    const ORDERED: bool = true;
+
+    #[inline(always)]
+    fn leaf<L: Lanes>(&mut self, ray: &TraversalRay, leaf: Child) -> ControlFlow<(), f32> {
+        for (member, first) in self.aggregate.members(leaf) {
+            if let Some(hit) = member.intersect(ray, self.interval).map(|hit| hit.offset_by(first))
+                && self.closest.as_ref().is_none_or(|closest| hit.is_before(closest))
+            {
+                self.interval = self.interval.with_t_max(hit.t_max_for_ties());
+                self.closest = Some(hit);
+            }
+        }
+        ControlFlow::Continue(self.interval.t_max())
+    }
+}
+
+struct AnyQuery<'a, P> {
+    aggregate: &'a BvhAggregate<P>,
+    interval: Interval,
+    is_hit: bool,
+}
+
+impl<P: Primitive> Query for AnyQuery<'_, P> {
+    const ORDERED: bool = false;
+
+    #[inline(always)]
+    fn leaf<L: Lanes>(&mut self, ray: &TraversalRay, leaf: Child) -> ControlFlow<(), f32> {
+        self.is_hit = self.aggregate.members(leaf).any(|(member, _)| member.intersect_p(ray, self.interval));
+        if self.is_hit { ControlFlow::Break(()) } else { ControlFlow::Continue(self.interval.t_max()) }
+    }
+}
+
+struct AllQuery<'a, 'v, P> {
+    aggregate: &'a BvhAggregate<P>,
+    interval: Interval,
+    kind: HitKind,
+    visitor: &'v mut dyn HitVisitor,
+    nodes: u64,
+    visit: Visit,
+}
+
+impl<P: Primitive> Query for AllQuery<'_, '_, P> {
+    const ORDERED: bool = true;
+
+    #[inline(always)]
+    fn leaf<L: Lanes>(&mut self, ray: &TraversalRay, leaf: Child) -> ControlFlow<(), f32> {
+        for (member, first) in self.aggregate.members(leaf) {
+            let ControlFlow::Continue(t_max) = self.visit else { break };
+            let mut mapped = MappedVisitor::new(self.visitor, |hit| hit.offset_by(first));
+            self.visit = member.visit_hits(ray, self.interval.with_t_max(t_max), self.kind, &mut mapped);
+        }
+        self.visit
+    }
+
+    #[inline(always)]
+    fn node(&mut self) {
+        self.nodes += 1;
     }
 }

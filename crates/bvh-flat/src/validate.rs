@@ -65,6 +65,12 @@ pub enum InvalidBvh {
         /// The node.
         node: usize,
     },
+    /// More than the 16 GiB that the references of a wide tree can name.
+    #[error("the tree is too large; split the {primitive_count} primitives among several trees")]
+    TooLarge {
+        /// How many primitives there are.
+        primitive_count: usize,
+    },
     /// A path longer than [`MAX_DEPTH`].
     #[error("node {node} lies deeper than {MAX_DEPTH} nodes")]
     TooDeep {

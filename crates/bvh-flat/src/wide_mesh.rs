@@ -1,16 +1,30 @@
 //! A triangle mesh with a wide tree: exact decisions, eight boxes or triangles at a time.
 
+use std::marker::PhantomData;
 use std::sync::Arc;
 
 use geometry::{Bounds3, Hit, HitVisitor, Interval, Shape, SurfacePoint, TraversalRay, TriangleMesh, Visit};
 
+#[cfg(feature = "parallel")]
+use rayon::iter::{IndexedParallelIterator, ParallelIterator};
+#[cfg(feature = "parallel")]
+use rayon::slice::{ParallelSlice, ParallelSliceMut};
+
+use crate::RaySegment;
 use crate::simd::SimdWidth;
+use crate::wide::{
+    All, Answered, AnyQuery, ClosestQuery, LARGE_FOR_ANY, LARGE_FOR_CLOSEST, Many, One, TriangleBlocks, WideTree,
+    collapse,
+};
 #[cfg(feature = "build")]
 use crate::wide::{MAX_LINES, NODE_LINES};
-use crate::wide::{All, Any, Asked, Closest, TriangleBlocks, WideTree, collapse};
 #[cfg(feature = "build")]
 use crate::{BuildConfig, BuildError, BuildObserver};
 use crate::{FlatBvh, MeshBvh};
+
+/// How many rays a thread takes at once.
+#[cfg(feature = "parallel")]
+const PARALLEL_CHUNK: usize = 4096;
 
 /// A triangle mesh with a wide tree over its triangles: nodes of eight children and leaves of up to eight triangles, each
 /// tested at once. Its answers are those of [`ExactMesh`](crate::ExactMesh), bit for bit, on every [`SimdWidth`].
@@ -85,9 +99,40 @@ impl WideMesh {
         self.shared.tree.arena.memory()
     }
 
+    /// The closest hit of each ray, as [`intersect`](Shape::intersect) finds it, bit for bit; as many as there are of both.
+    ///
+    /// Faster than a call for each where the tree is larger than the caches and the rays go apart: several are then on
+    /// their way at once, and while one waits for the memory, others go on.
+    pub fn intersect_many(&self, rays: &[RaySegment], hits: &mut [Option<Hit>]) {
+        self.many::<ClosestQuery>(rays, hits, LARGE_FOR_CLOSEST);
+    }
+
+    /// Whether each ray hits anything, as [`intersect_p`](Shape::intersect_p) finds it; as many as there are of both.
+    pub fn intersect_p_many(&self, rays: &[RaySegment], hits: &mut [bool]) {
+        self.many::<AnyQuery>(rays, hits, LARGE_FOR_ANY);
+    }
+
+    /// [`intersect_many`](Self::intersect_many) on all threads of the current rayon pool.
+    #[cfg(feature = "parallel")]
+    pub fn par_intersect_many(&self, rays: &[RaySegment], hits: &mut [Option<Hit>]) {
+        let chunks = rays.par_chunks(PARALLEL_CHUNK).zip(hits.par_chunks_mut(PARALLEL_CHUNK));
+        chunks.for_each(|(rays, hits)| self.intersect_many(rays, hits));
+    }
+
+    /// [`intersect_p_many`](Self::intersect_p_many) on all threads of the current rayon pool.
+    #[cfg(feature = "parallel")]
+    pub fn par_intersect_p_many(&self, rays: &[RaySegment], hits: &mut [bool]) {
+        let chunks = rays.par_chunks(PARALLEL_CHUNK).zip(hits.par_chunks_mut(PARALLEL_CHUNK));
+        chunks.for_each(|(rays, hits)| self.intersect_p_many(rays, hits));
+    }
+
+    fn many<'a, Q: Answered<'a>>(&'a self, rays: &[RaySegment], answers: &mut [Q::Answer], large: usize) {
+        self.width.run(Many::<Q> { tree: &self.shared.tree, rays, answers, large, query: PhantomData });
+    }
+
     #[inline(always)]
-    fn asked<'a>(&'a self, ray: &'a TraversalRay, interval: Interval) -> Asked<'a> {
-        Asked { tree: &self.shared.tree, ray, interval }
+    fn one<'a, Q: Answered<'a>>(&'a self, ray: &'a TraversalRay, interval: Interval) -> Q::Answer {
+        self.width.run(One::<Q> { tree: &self.shared.tree, ray, interval, query: PhantomData })
     }
 }
 
@@ -101,17 +146,17 @@ impl Shape for WideMesh {
     }
 
     fn visit_hits(&self, ray: &TraversalRay, interval: Interval, visitor: &mut dyn HitVisitor) -> Visit {
-        self.width.run(All { asked: self.asked(ray, interval), visitor })
+        self.width.run(All { tree: &self.shared.tree, ray, interval, visitor })
     }
 
     #[inline]
     fn intersect(&self, ray: &TraversalRay, interval: Interval) -> Option<Hit> {
-        self.width.run(Closest(self.asked(ray, interval)))
+        self.one::<ClosestQuery>(ray, interval)
     }
 
     #[inline]
     fn intersect_p(&self, ray: &TraversalRay, interval: Interval) -> bool {
-        self.width.run(Any(self.asked(ray, interval)))
+        self.one::<AnyQuery>(ray, interval)
     }
 
     fn surface_point(&self, ray: &TraversalRay, hit: &Hit) -> SurfacePoint {

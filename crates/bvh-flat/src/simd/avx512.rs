@@ -123,7 +123,10 @@ impl Lanes for Avx512 {
     #[inline(always)]
     fn least_met(a: __m256, _b: __m256, met: u32) -> usize {
         op!({
-            let key = _mm256_or_si256(_mm256_andnot_si256(_mm256_set1_epi32(7), _mm256_castps_si256(a)), _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7));
+            let key = _mm256_or_si256(
+                _mm256_andnot_si256(_mm256_set1_epi32(7), _mm256_castps_si256(a)),
+                _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7),
+            );
             let key = _mm256_mask_mov_epi32(_mm256_set1_epi32(-1), met as u8, key);
             let least = _mm_min_epu32(_mm256_castsi256_si128(key), _mm256_extracti128_si256::<1>(key));
             let least = _mm_min_epu32(least, _mm_shuffle_epi32::<0b01_00_11_10>(least));

@@ -94,6 +94,23 @@ pub(crate) trait Lanes: Copy {
     fn compress_u32(x: Self::U32, mask: u32, to: &mut [MaybeUninit<u32>; LANES]);
 }
 
+/// The lanes of a mask, from the lowest on.
+pub(crate) struct LanesOf(pub(crate) u32);
+
+impl Iterator for LanesOf {
+    type Item = usize;
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<usize> {
+        if self.0 == 0 {
+            return None;
+        }
+        let lane = self.0.trailing_zeros() as usize & 7;
+        self.0 &= self.0 - 1;
+        Some(lane)
+    }
+}
+
 /// Something that is computed with lanes, written once and compiled for each kind of them.
 pub(crate) trait Kernel {
     /// What comes out.

@@ -23,8 +23,8 @@ fn mask(a: F, b: F, f: impl Fn(f32, f32) -> bool) -> u32 {
 #[inline(always)]
 fn compress<T: Copy>(x: [T; LANES], mask: u32, to: &mut [MaybeUninit<T>; LANES]) {
     let mut n = 0;
-    for i in 0..LANES {
-        to[n & 7] = MaybeUninit::new(x[i]);
+    for (i, x) in x.into_iter().enumerate() {
+        to[n & 7] = MaybeUninit::new(x);
         n += (mask >> i & 1) as usize;
     }
 }
@@ -125,9 +125,9 @@ impl Lanes for Portable {
     #[inline(always)]
     fn least_met(a: F, _b: F, met: u32) -> usize {
         let mut least = (f32::INFINITY, 0);
-        for i in 0..LANES {
-            if met >> i & 1 == 1 && a[i] < least.0 {
-                least = (a[i], i);
+        for (i, a) in a.into_iter().enumerate() {
+            if met >> i & 1 == 1 && a < least.0 {
+                least = (a, i);
             }
         }
         least.1

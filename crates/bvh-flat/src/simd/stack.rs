@@ -2,7 +2,8 @@
 
 use std::mem::MaybeUninit;
 
-use super::{LANES, Lanes};
+use super::Lanes;
+use crate::wide::Child;
 
 /// Subtrees to come, each with the ray's entry, in memory that is not cleared for every ray.
 ///
@@ -16,35 +17,41 @@ pub(crate) struct Stack<const CAPACITY: usize> {
 impl<const CAPACITY: usize> Stack<CAPACITY> {
     #[inline(always)]
     pub(crate) fn new() -> Self {
-        Self { children: [const { MaybeUninit::uninit() }; CAPACITY], entries: [const { MaybeUninit::uninit() }; CAPACITY], len: 0 }
+        Self {
+            children: [const { MaybeUninit::uninit() }; CAPACITY],
+            entries: [const { MaybeUninit::uninit() }; CAPACITY],
+            len: 0,
+        }
     }
 
-    /// Pushes the lanes of the mask, the highest last. Whether there was room: `CAPACITY` must be eight more than what
-    /// is ever held.
+    /// Forgets everything.
     #[inline(always)]
-    #[must_use]
-    pub(crate) fn push<L: Lanes>(&mut self, children: L::U32, entries: L::F32, mask: u32) -> bool {
-        let range = self.len..self.len + LANES;
-        let (Some(children_to), Some(entries_to)) = (self.children.get_mut(range.clone()), self.entries.get_mut(range))
-        else {
-            return false;
-        };
-        let (Ok(children_to), Ok(entries_to)) = (children_to.try_into(), entries_to.try_into()) else { return false };
+    pub(crate) fn clear(&mut self) {
+        self.len = 0;
+    }
+
+    /// Pushes the lanes of the mask, the highest last. `None` where there is no room: `CAPACITY` must be eight more than
+    /// what is ever held.
+    #[inline(always)]
+    pub(crate) fn push<L: Lanes>(&mut self, children: L::U32, entries: L::F32, mask: u32) -> Option<()> {
+        let children_to = self.children.get_mut(self.len..)?.first_chunk_mut()?;
+        let entries_to = self.entries.get_mut(self.len..)?.first_chunk_mut()?;
         L::compress_u32(children, mask, children_to);
         L::compress(entries, mask, entries_to);
         self.len += mask.count_ones() as usize;
-        true
+        Some(())
     }
 
     /// The entry pushed last among those that the ray enters at `t_max` at the latest.
     #[inline(always)]
-    pub(crate) fn pop(&mut self, t_max: f32) -> Option<u32> {
+    pub(crate) fn pop(&mut self, t_max: f32) -> Option<Child> {
         while self.len > 0 {
             self.len -= 1;
             // SAFETY: places below the former `len` were written by `push`: `len` grows by the number of lanes written.
-            let (child, entry) = unsafe { (self.children[self.len].assume_init(), self.entries[self.len].assume_init()) };
+            let (child, entry) =
+                unsafe { (self.children[self.len].assume_init(), self.entries[self.len].assume_init()) };
             if entry <= t_max {
-                return Some(child);
+                return Some(Child(child));
             }
         }
         None

@@ -91,6 +91,12 @@ impl<'a> Node<'a> {
         &self.words()[6]
     }
 
+    /// The child in a lane, modulo eight.
+    #[inline(always)]
+    pub(crate) fn child(self, lane: u32) -> Child {
+        Child(self.children()[lane as usize & 7])
+    }
+
     #[inline(always)]
     pub(crate) fn orders(self) -> &'a [u32; LANES] {
         &self.words()[7]

@@ -111,7 +111,8 @@ impl<L: Lanes> BoxLanes<L> {
         }
         if REGULAR {
             // t_min is not negative and t_max is positive, which is the condition of these.
-            let entry = L::max_or_negative(L::max_or_negative(near[0], near[1]), L::max_or_negative(near[2], self.t_min));
+            let entry =
+                L::max_or_negative(L::max_or_negative(near[0], near[1]), L::max_or_negative(near[2], self.t_min));
             let exit = L::min_or_negative(L::min_or_negative(far[0], far[1]), L::min_or_negative(far[2], self.t_max));
             Slabs { entry, exit }
         } else {

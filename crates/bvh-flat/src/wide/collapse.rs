@@ -22,13 +22,10 @@ pub(crate) struct WideTree {
 pub(crate) trait LeafWriter {
     /// The place by which a leaf finds them; lines may be added at the end.
     fn write(&self, range: Range<usize>, lines: &mut Vec<Line>) -> usize;
-}
 
-/// The costs of a step, in any one unit: to test the eight boxes of a node, and the primitives of a leaf.
-const NODE_COST: f64 = 1.0;
-const LEAF_COST: f64 = 1.5;
-/// A leaf's further cost for each of its primitives, so that of equal trees the one that tests less wins.
-const PRIMITIVE_COST: f64 = 0.1;
+    /// What testing `count` primitives of a leaf costs, where testing the eight boxes of a node costs 1.
+    fn cost(&self, count: usize) -> f64;
+}
 
 /// The least expected cost of everything below a binary node, if it is put under a wide node as 1, 2, … 7 children.
 type Costs = [f64; LANES - 1];
@@ -48,7 +45,7 @@ struct Plan {
 /// over all nodes and leaves. `None` where the result would not fit an [`Arena`].
 pub(crate) fn collapse(bvh: &FlatBvh, writer: &impl LeafWriter) -> Option<WideTree> {
     let binary = Binary::new(bvh);
-    let plans = binary.plan();
+    let plans = binary.plan(writer);
     let mut lines = Vec::new();
     let root = if binary.nodes.is_empty() { None } else { Some(binary.emit(&plans, 0, writer, &mut lines)?) };
     Some(WideTree { arena: Arena::new(lines), root, bounds: bvh.bounds() })
@@ -95,14 +92,14 @@ impl Binary {
         Self { nodes }
     }
 
-    fn plan(&self) -> Vec<Plan> {
+    fn plan(&self, writer: &impl LeafWriter) -> Vec<Plan> {
         let mut plans = vec![Plan::default(); self.nodes.len()];
         // From the back, so that children come before their parent, and the first child's costs are on top.
         let mut stack: Vec<Costs> = Vec::new();
         for (node, plan) in self.nodes.iter().zip(&mut plans).rev() {
             let area = node.bounds.surface_area();
             let as_leaf = match node.count as usize {
-                0..=LANES => area * (LEAF_COST + PRIMITIVE_COST * f64::from(node.count)),
+                count @ 0..=LANES => area * writer.cost(count),
                 _ => f64::INFINITY,
             };
             let children = if node.second_child == 0 { None } else { stack.pop().zip(stack.pop()) };
@@ -118,7 +115,7 @@ impl Binary {
             };
             let mut costs = [0.0; LANES - 1];
             let (of_children, left) = divide(LANES);
-            let as_node = area * NODE_COST + of_children;
+            let as_node = area + of_children;
             (costs[0], plan.left_of_eight) = if as_leaf <= as_node { (as_leaf, 0) } else { (as_node, left) };
             for parts in 2..LANES {
                 let (cost, left) = divide(parts);
@@ -197,13 +194,13 @@ fn divide(bounds: Bounds3, range: Range<usize>, nodes: &mut Vec<BinaryNode>) {
 /// The lines of a [`Node`](super::arena::Node).
 fn node_lines(bounds: &[Bounds3], children: &[Option<Child>]) -> [Line; NODE_LINES] {
     let mut rows = [[0_u32; LANES]; 8];
-    for lane in 0..LANES {
-        let b = bounds.get(lane).copied().unwrap_or(Bounds3 { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY });
+    rows[..6].copy_from_slice(&[[f32::INFINITY.to_bits(); LANES], [f32::NEG_INFINITY.to_bits(); LANES]].repeat(3));
+    for (lane, (b, child)) in bounds.iter().zip(children).enumerate() {
         for axis in 0..3 {
             rows[2 * axis][lane] = b.min[axis].to_bits();
             rows[2 * axis + 1][lane] = b.max[axis].to_bits();
         }
-        rows[6][lane] = children.get(lane).copied().flatten().map_or(0, |child| child.0);
+        rows[6][lane] = child.map_or(0, |child| child.0);
     }
     for octant in 0..8 {
         let sign = Vec3::from_array([0, 1, 2].map(|i| if octant >> i & 1 == 1 { -1.0 } else { 1.0 }));

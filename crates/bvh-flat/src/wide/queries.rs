@@ -8,24 +8,23 @@ use geometry::{Hit, HitVisitor, Interval, TraversalRay, TriangleHit, Visit, Work
 
 use super::arena::Child;
 use super::collapse::WideTree;
-use super::traverse::{Query, Traversal};
+use super::traverse::{Query, traverse};
 use super::triangle_ray::{Candidates, TriangleRay};
 use super::triangles::TriangleLeaf;
-use crate::simd::{Kernel, Lanes};
+use crate::simd::{Kernel, Lanes, LanesOf};
 
 /// What all queries begin with.
 #[derive(Clone, Copy)]
 pub(crate) struct Asked<'a> {
-    pub(crate) tree: &'a WideTree,
-    pub(crate) ray: &'a TraversalRay,
-    pub(crate) interval: Interval,
+    tree: &'a WideTree,
+    interval: Interval,
+    triangles: TriangleRay,
 }
 
 impl<'a> Asked<'a> {
     #[inline(always)]
-    fn traversal(&self) -> Traversal<'a> {
-        let Self { tree, ray, interval } = *self;
-        Traversal { arena: &tree.arena, root: tree.root, ray, interval }
+    pub(crate) fn new(tree: &'a WideTree, ray: &TraversalRay, interval: Interval) -> Self {
+        Self { tree, interval, triangles: TriangleRay::new(ray) }
     }
 
     #[inline(always)]
@@ -34,9 +33,9 @@ impl<'a> Asked<'a> {
     }
 
     #[inline(always)]
-    fn candidates<L: Lanes>(&self, triangles: &TriangleRay, leaf: Child, t_max: f32) -> Option<Candidates> {
+    fn candidates<L: Lanes>(&self, leaf: Child, t_max: f32) -> Option<Candidates> {
         let leaf = self.leaf(leaf)?;
-        triangles.candidates::<L>(leaf.numbers(), leaf.count(), [self.interval.t_min(), t_max])
+        self.triangles.candidates::<L>(leaf.numbers(), leaf.count(), [self.interval.t_min(), t_max])
     }
 
     /// Whether t* is in the interval for certain.
@@ -46,40 +45,35 @@ impl<'a> Asked<'a> {
     }
 }
 
-/// A number of lanes as a mask, from the lowest on.
-struct LanesOf(u32);
+/// A query with an answer.
+pub(crate) trait Answered<'a>: Query {
+    /// What is answered.
+    type Answer: Default;
 
-impl Iterator for LanesOf {
-    type Item = usize;
+    /// The query of a ray.
+    fn new(asked: Asked<'a>) -> Self;
 
-    #[inline(always)]
-    fn next(&mut self) -> Option<usize> {
-        if self.0 == 0 {
-            return None;
-        }
-        let lane = self.0.trailing_zeros() as usize & 7;
-        self.0 &= self.0 - 1;
-        Some(lane)
-    }
+    /// The answer, when the ray's way is at its end.
+    fn answer(&self, ray: &TraversalRay) -> Self::Answer;
 }
 
-/// The closest hit.
-pub(crate) struct Closest<'a>(pub(crate) Asked<'a>);
+/// A query `Q` of one ray.
+pub(crate) struct One<'a, Q> {
+    pub(crate) tree: &'a WideTree,
+    pub(crate) ray: &'a TraversalRay,
+    pub(crate) interval: Interval,
+    pub(crate) query: std::marker::PhantomData<Q>,
+}
 
-impl Kernel for Closest<'_> {
-    type Output = Option<Hit>;
+impl<'a, Q: Answered<'a>> Kernel for One<'a, Q> {
+    type Output = Q::Answer;
 
     #[inline(always)]
-    fn run<L: Lanes>(self) -> Option<Hit> {
-        let t_max = self.0.interval.t_max();
-        let triangles = TriangleRay::new(self.0.ray);
-        let mut query = ClosestQuery { asked: self.0, triangles, t_max, found: None, enclosure: None };
-        self.0.traversal().run::<L>(&mut query);
-        let Found { leaf, lane, .. } = query.found?;
-        let leaf = self.0.leaf(leaf)?;
-        let vertices = leaf.permuted(lane, query.triangles.axes());
-        let TriangleHit { t, u, v } = values_of_hit(self.0.ray, &vertices);
-        Some(Hit { t, u, v, primitive: u64::from(leaf.primitive(lane)) })
+    fn run<L: Lanes>(self) -> Q::Answer {
+        let Self { tree, ray, interval, .. } = self;
+        let mut query = Q::new(Asked::new(tree, ray, interval));
+        traverse::<L>(&tree.arena, tree.root, ray, interval, &mut query);
+        query.answer(ray)
     }
 }
 
@@ -92,9 +86,9 @@ struct Found {
     low: f32,
 }
 
-struct ClosestQuery<'a> {
+/// The closest hit.
+pub(crate) struct ClosestQuery<'a> {
     asked: Asked<'a>,
-    triangles: TriangleRay,
     /// Not below the t* of what was found.
     t_max: f32,
     found: Option<Found>,
@@ -102,14 +96,30 @@ struct ClosestQuery<'a> {
     enclosure: Option<Enclosure>,
 }
 
+impl<'a> Answered<'a> for ClosestQuery<'a> {
+    type Answer = Option<Hit>;
+
+    #[inline(always)]
+    fn new(asked: Asked<'a>) -> Self {
+        Self { asked, t_max: asked.interval.t_max(), found: None, enclosure: None }
+    }
+
+    #[inline(always)]
+    fn answer(&self, ray: &TraversalRay) -> Option<Hit> {
+        let Found { leaf, lane, .. } = self.found?;
+        let leaf = self.asked.leaf(leaf)?;
+        let vertices = leaf.permuted(lane, self.asked.triangles.axes());
+        let TriangleHit { t, u, v } = values_of_hit(ray, &vertices);
+        Some(Hit { t, u, v, primitive: u64::from(leaf.primitive(lane)) })
+    }
+}
+
 impl Query for ClosestQuery<'_> {
     const ORDERED: bool = true;
 
     #[inline(always)]
-    fn leaf<L: Lanes>(&mut self, leaf: Child) -> ControlFlow<(), f32> {
-        if let Some(Candidates { maybe, sure, low, high }) =
-            self.asked.candidates::<L>(&self.triangles, leaf, self.t_max)
-        {
+    fn leaf<L: Lanes>(&mut self, ray: &TraversalRay, leaf: Child) -> ControlFlow<(), f32> {
+        if let Some(Candidates { maybe, sure, low, high }) = self.asked.candidates::<L>(leaf, self.t_max) {
             for lane in LanesOf(maybe) {
                 let (low, high) = (low[lane], high[lane]);
                 let is_sure = sure >> lane & 1 == 1;
@@ -121,7 +131,7 @@ impl Query for ClosestQuery<'_> {
                     (self.found, self.enclosure) = (Some(Found { leaf, lane, low }), None);
                     self.t_max = high;
                 } else {
-                    self.decide(leaf, lane);
+                    self.decide(ray, leaf, lane);
                 }
             }
         }
@@ -133,10 +143,10 @@ impl ClosestQuery<'_> {
     /// Takes a triangle of which f32 says too little.
     #[cold]
     #[inline(never)]
-    fn decide(&mut self, leaf: Child, lane: usize) {
+    fn decide(&mut self, ray: &TraversalRay, leaf: Child, lane: usize) {
         let Some(triangle) = self.asked.leaf(leaf) else { return };
         let vertices = triangle.vertices(lane);
-        let exact = ExactRay::unfiltered(self.asked.ray);
+        let exact = ExactRay::unfiltered(ray);
         let Some(enclosure) = exact.intersect_triangle(&vertices, self.asked.interval, &mut ()) else { return };
         if let Some(Found { leaf: best_leaf, lane: best_lane, .. }) = self.found {
             let Some(best) = self.asked.leaf(best_leaf) else { return };
@@ -155,35 +165,35 @@ impl ClosestQuery<'_> {
 }
 
 /// Whether there is any hit.
-pub(crate) struct Any<'a>(pub(crate) Asked<'a>);
-
-impl Kernel for Any<'_> {
-    type Output = bool;
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) -> bool {
-        let mut query = AnyQuery { asked: self.0, triangles: TriangleRay::new(self.0.ray), is_hit: false };
-        self.0.traversal().run::<L>(&mut query);
-        query.is_hit
-    }
+pub(crate) struct AnyQuery<'a> {
+    asked: Asked<'a>,
+    is_hit: bool,
 }
 
-struct AnyQuery<'a> {
-    asked: Asked<'a>,
-    triangles: TriangleRay,
-    is_hit: bool,
+impl<'a> Answered<'a> for AnyQuery<'a> {
+    type Answer = bool;
+
+    #[inline(always)]
+    fn new(asked: Asked<'a>) -> Self {
+        Self { asked, is_hit: false }
+    }
+
+    #[inline(always)]
+    fn answer(&self, _: &TraversalRay) -> bool {
+        self.is_hit
+    }
 }
 
 impl Query for AnyQuery<'_> {
     const ORDERED: bool = false;
 
     #[inline(always)]
-    fn leaf<L: Lanes>(&mut self, leaf: Child) -> ControlFlow<(), f32> {
+    fn leaf<L: Lanes>(&mut self, ray: &TraversalRay, leaf: Child) -> ControlFlow<(), f32> {
         let t_max = self.asked.interval.t_max();
-        if let Some(Candidates { maybe, sure, low, high }) = self.asked.candidates::<L>(&self.triangles, leaf, t_max) {
+        if let Some(Candidates { maybe, sure, low, high }) = self.asked.candidates::<L>(leaf, t_max) {
             for lane in LanesOf(maybe) {
                 let is_sure = sure >> lane & 1 == 1 && self.asked.is_inside(low[lane], high[lane]);
-                if is_sure || self.decide(leaf, lane) {
+                if is_sure || self.decide(ray, leaf, lane) {
                     self.is_hit = true;
                     return ControlFlow::Break(());
                 }
@@ -196,16 +206,17 @@ impl Query for AnyQuery<'_> {
 impl AnyQuery<'_> {
     #[cold]
     #[inline(never)]
-    fn decide(&self, leaf: Child, lane: usize) -> bool {
+    fn decide(&self, ray: &TraversalRay, leaf: Child, lane: usize) -> bool {
         let Some(leaf) = self.asked.leaf(leaf) else { return false };
-        let exact = ExactRay::unfiltered(self.asked.ray);
-        exact.intersect_triangle(&leaf.vertices(lane), self.asked.interval, &mut ()).is_some()
+        ExactRay::unfiltered(ray).intersect_triangle(&leaf.vertices(lane), self.asked.interval, &mut ()).is_some()
     }
 }
 
 /// All hits, for a visitor.
 pub(crate) struct All<'a, 'v> {
-    pub(crate) asked: Asked<'a>,
+    pub(crate) tree: &'a WideTree,
+    pub(crate) ray: &'a TraversalRay,
+    pub(crate) interval: Interval,
     pub(crate) visitor: &'v mut dyn HitVisitor,
 }
 
@@ -214,11 +225,10 @@ impl Kernel for All<'_, '_> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> Visit {
-        let Self { asked, visitor } = self;
-        let visit = ControlFlow::Continue(asked.interval.t_max());
-        let triangles = TriangleRay::new(asked.ray);
-        let mut query = AllQuery { asked, triangles, visitor, work: Work::default(), visit };
-        asked.traversal().run::<L>(&mut query);
+        let Self { tree, ray, interval, visitor } = self;
+        let visit = ControlFlow::Continue(interval.t_max());
+        let mut query = AllQuery { asked: Asked::new(tree, ray, interval), visitor, work: Work::default(), visit };
+        traverse::<L>(&tree.arena, tree.root, ray, interval, &mut query);
         let AllQuery { visitor, work, visit, .. } = query;
         visitor.work(work);
         visit
@@ -227,7 +237,6 @@ impl Kernel for All<'_, '_> {
 
 struct AllQuery<'a, 'v> {
     asked: Asked<'a>,
-    triangles: TriangleRay,
     visitor: &'v mut dyn HitVisitor,
     work: Work,
     visit: Visit,
@@ -237,12 +246,12 @@ impl Query for AllQuery<'_, '_> {
     const ORDERED: bool = true;
 
     #[inline(always)]
-    fn leaf<L: Lanes>(&mut self, leaf: Child) -> ControlFlow<(), f32> {
+    fn leaf<L: Lanes>(&mut self, ray: &TraversalRay, leaf: Child) -> ControlFlow<(), f32> {
         self.work.primitives += leaf.count() as u64;
         if let ControlFlow::Continue(t_max) = self.visit
-            && let Some(Candidates { maybe, .. }) = self.asked.candidates::<L>(&self.triangles, leaf, t_max)
+            && let Some(Candidates { maybe, .. }) = self.asked.candidates::<L>(leaf, t_max)
         {
-            self.tell(leaf, maybe);
+            self.tell(ray, leaf, maybe);
         }
         self.visit
     }
@@ -255,9 +264,9 @@ impl Query for AllQuery<'_, '_> {
 
 impl AllQuery<'_, '_> {
     #[inline(never)]
-    fn tell(&mut self, leaf: Child, maybe: u32) {
+    fn tell(&mut self, ray: &TraversalRay, leaf: Child, maybe: u32) {
         let Some(leaf) = self.asked.leaf(leaf) else { return };
-        let exact = ExactRay::unfiltered(self.asked.ray);
+        let exact = ExactRay::unfiltered(ray);
         for lane in LanesOf(maybe) {
             let ControlFlow::Continue(t_max) = self.visit else { return };
             let (vertices, interval) = (leaf.vertices(lane), self.asked.interval.with_t_max(t_max));

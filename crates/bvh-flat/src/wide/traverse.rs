@@ -5,116 +5,153 @@ use std::ops::ControlFlow;
 use geometry::{Interval, TraversalRay};
 
 use super::arena::{Arena, Child};
-use super::box_ray::{BoxLanes, is_regular};
+use super::box_ray::{BoxLanes, Slabs, is_regular};
 use crate::MAX_DEPTH;
-use crate::simd::{Lanes, Stack};
+use crate::simd::{Lanes, LanesOf, Stack};
 
 /// A wide tree is no deeper than the binary one that it was made of, whose large leaves may have been divided, by 13
 /// levels at most; each level leaves seven children on the stack, and eight are written at once.
 const STACK: usize = 7 * (MAX_DEPTH + 13) + 16;
 
-/// What is asked of the primitives on the ray's way.
+/// What is asked of the primitives on a ray's way.
 pub(crate) trait Query {
     /// Whether near children are to be visited first.
     const ORDERED: bool;
 
-    /// Takes a leaf: `Continue(t_max)` to be shown others up to there, `Break` to stop.
-    fn leaf<L: Lanes>(&mut self, leaf: Child) -> ControlFlow<(), f32>;
+    /// Takes a leaf that `ray` comes to: `Continue(t_max)` to be shown others up to there, `Break` to stop.
+    fn leaf<L: Lanes>(&mut self, ray: &TraversalRay, leaf: Child) -> ControlFlow<(), f32>;
 
     /// Is told of each node.
     #[inline(always)]
     fn node(&mut self) {}
 }
 
-/// A tree and a ray's way through it.
-pub(crate) struct Traversal<'a> {
-    pub(crate) arena: &'a Arena,
-    pub(crate) root: Option<Child>,
-    pub(crate) ray: &'a TraversalRay,
-    pub(crate) interval: Interval,
+/// Where a ray comes to next.
+pub(crate) enum Next {
+    /// To a child of the node that it is at.
+    Down(Child),
+    /// Back to one that it has met before, whose lines were asked for then.
+    Back(Child),
 }
 
-impl Traversal<'_> {
-    /// Shows `query` the leaves that the ray comes to.
+impl Next {
     #[inline(always)]
-    pub(crate) fn run<L: Lanes>(&self, query: &mut impl Query) {
-        if is_regular(self.ray) { self.traverse::<L, true, _>(query) } else { self.traverse::<L, false, _>(query) }
+    fn child(self) -> Child {
+        match self {
+            Self::Down(child) | Self::Back(child) => child,
+        }
+    }
+}
+
+/// A ray on its way through a tree: where it goes next is kept by whoever makes the steps.
+pub(crate) struct Way<L: Lanes> {
+    lanes: BoxLanes<L>,
+    shift: u32,
+    t_max: f32,
+    stack: Stack<STACK>,
+}
+
+impl<L: Lanes> Way<L> {
+    #[inline(always)]
+    pub(crate) fn new<const REGULAR: bool>(ray: &TraversalRay, interval: Interval) -> Self {
+        let lanes = BoxLanes::<L>::new::<REGULAR>(ray, interval.t_min(), interval.t_max());
+        Self { shift: 3 * lanes.octant(), lanes, t_max: interval.t_max(), stack: Stack::new() }
     }
 
+    /// The same for another ray, in the same memory.
     #[inline(always)]
-    fn traverse<L: Lanes, const REGULAR: bool, Q: Query>(&self, query: &mut Q) {
-        let &Self { arena, root: Some(root), ray, interval } = self else { return };
-        if interval.is_empty() {
-            return;
-        }
-        let mut t_max = interval.t_max();
-        let mut lanes = BoxLanes::<L>::new::<REGULAR>(ray, interval.t_min(), t_max);
-        let shift = 3 * lanes.octant();
-        let mut stack: Stack<STACK> = Stack::new();
-        let mut next = root;
-        loop {
-            if next.is_leaf() {
-                match query.leaf::<L>(next) {
-                    ControlFlow::Break(()) => return,
-                    ControlFlow::Continue(bound) => {
-                        if Q::ORDERED && bound < t_max {
-                            t_max = bound;
-                            lanes.set_t_max(bound);
-                        }
-                    }
-                }
-            } else {
-                query.node();
-                let Some(node) = arena.node(next.line()) else { return };
-                let slabs = lanes.slabs::<REGULAR>(node);
-                let met = slabs.met::<REGULAR>();
-                // One child or none, most often.
-                if met & met.wrapping_sub(1) == 0 {
-                    if met != 0 {
-                        next = Child(node.children()[met.trailing_zeros() as usize & 7]);
-                        continue;
-                    }
-                } else {
-                    let mut others = met;
-                    while others != 0 {
-                        arena.prefetch(Child(node.children()[others.trailing_zeros() as usize & 7]).place());
-                        others &= others - 1;
-                    }
-                    let children = L::load_u32(node.children());
-                    let has_room = if Q::ORDERED {
-                        let rest = met & (met - 1);
-                        if rest & (rest - 1) == 0 {
-                            let nearest = L::least_met(slabs.entry, slabs.exit, met);
-                            let has_room = stack.push::<L>(children, slabs.entry, met & !(1 << nearest));
-                            next = Child(node.children()[nearest & 7]);
-                            if has_room {
-                                continue;
-                            }
-                            return;
-                        }
-                        let nearest = L::least_met(slabs.entry, slabs.exit, met);
-                        next = Child(node.children()[nearest & 7]);
-                        let orders = L::load_u32(node.orders());
-                        let entry = L::permute(slabs.entry, orders, shift);
-                        let exit = L::permute(slabs.exit, orders, shift);
-                        let permuted = L::permute_u32(children, orders, shift);
-                        let met = if REGULAR { L::le_or_negative(entry, exit) } else { L::le(entry, exit) };
-                        let met = met & !L::eq_u32(permuted, L::splat_u32(next.0));
-                        if stack.push::<L>(permuted, entry, met) { continue; } 
-                        false
-                    } else {
-                        stack.push::<L>(children, slabs.entry, met)
-                    };
-                    debug_assert!(has_room);
-                    if !has_room {
-                        return;
-                    }
-                }
+    pub(crate) fn begin<const REGULAR: bool>(&mut self, ray: &TraversalRay, interval: Interval) {
+        self.lanes = BoxLanes::<L>::new::<REGULAR>(ray, interval.t_min(), interval.t_max());
+        (self.shift, self.t_max) = (3 * self.lanes.octant(), interval.t_max());
+        self.stack.clear();
+    }
+
+    /// Visits a node or a leaf: where the ray comes to next, or `None` at the end of its way.
+    ///
+    /// Both children of a node that the ray meets in two places are compared by distance; of more, the nearest is next and
+    /// the others follow in the order of the ray's octant. Rejected: the order of the octant for all (2 % fewer nodes on
+    /// coherent rays where it is right, but 10 % more on kitchen's, where it is wrong), and the others in no order (6 % more
+    /// nodes on sponza's diffuse rays).
+    #[inline(always)]
+    pub(crate) fn step<const REGULAR: bool, Q: Query>(
+        &mut self,
+        arena: &Arena,
+        ray: &TraversalRay,
+        at: Child,
+        query: &mut Q,
+    ) -> Option<Next> {
+        if at.is_leaf() {
+            let ControlFlow::Continue(bound) = query.leaf::<L>(ray, at) else { return None };
+            if Q::ORDERED && bound < self.t_max {
+                self.t_max = bound;
+                self.lanes.set_t_max(bound);
             }
-            match stack.pop(t_max) {
-                Some(child) => next = Child(child),
-                None => return,
-            }
+            return self.stack.pop(self.t_max).map(Next::Back);
         }
+        query.node();
+        let node = arena.node(at.line())?;
+        let slabs = self.lanes.slabs::<REGULAR>(node);
+        let met = slabs.met::<REGULAR>();
+        // One child or none, most often.
+        let others = met & met.wrapping_sub(1);
+        if others == 0 {
+            return match met {
+                0 => self.stack.pop(self.t_max).map(Next::Back),
+                _ => Some(Next::Down(node.child(met.trailing_zeros()))),
+            };
+        }
+        for lane in LanesOf(met) {
+            arena.prefetch(node.child(lane as u32).place());
+        }
+        let children = L::load_u32(node.children());
+        if !Q::ORDERED {
+            self.stack.push::<L>(children, slabs.entry, met)?;
+            return self.stack.pop(self.t_max).map(Next::Down);
+        }
+        let nearest = L::least_met(slabs.entry, slabs.exit, met) as u32;
+        let next = node.child(nearest);
+        if others & (others - 1) == 0 {
+            self.stack.push::<L>(children, slabs.entry, met & !(1 << nearest))?;
+        } else {
+            let orders = L::load_u32(node.orders());
+            let entry = L::permute(slabs.entry, orders, self.shift);
+            let exit = L::permute(slabs.exit, orders, self.shift);
+            let children = L::permute_u32(children, orders, self.shift);
+            let met = Slabs::<L> { entry, exit }.met::<REGULAR>() & !L::eq_u32(children, L::splat_u32(next.0));
+            self.stack.push::<L>(children, entry, met)?;
+        }
+        Some(Next::Down(next))
+    }
+}
+
+/// Shows `query` the leaves that a ray comes to.
+#[inline(always)]
+pub(crate) fn traverse<L: Lanes>(
+    arena: &Arena,
+    root: Option<Child>,
+    ray: &TraversalRay,
+    interval: Interval,
+    query: &mut impl Query,
+) {
+    let Some(root) = root.filter(|_| !interval.is_empty()) else { return };
+    if is_regular(ray) {
+        traverse_as::<L, true>(arena, root, ray, interval, query);
+    } else {
+        traverse_as::<L, false>(arena, root, ray, interval, query);
+    }
+}
+
+#[inline(always)]
+fn traverse_as<L: Lanes, const REGULAR: bool>(
+    arena: &Arena,
+    root: Child,
+    ray: &TraversalRay,
+    interval: Interval,
+    query: &mut impl Query,
+) {
+    let mut way = Way::<L>::new::<REGULAR>(ray, interval);
+    let mut next = Some(root);
+    while let Some(at) = next {
+        next = way.step::<REGULAR, _>(arena, ray, at, query).map(Next::child);
     }
 }

@@ -69,7 +69,12 @@ impl TriangleRay {
     ///
     /// The comparisons are written so that what overflows, and becomes NaN, is neither missed nor certain.
     #[inline(always)]
-    pub(crate) fn candidates<L: Lanes>(&self, leaf: &[f32; LEAF_NUMBERS], count: usize, [t_min, t_max]: [f32; 2]) -> Option<Candidates> {
+    pub(crate) fn candidates<L: Lanes>(
+        &self,
+        leaf: &[f32; LEAF_NUMBERS],
+        count: usize,
+        [t_min, t_max]: [f32; 2],
+    ) -> Option<Candidates> {
         let x = L::load_vertices(leaf, count, self.k[0]);
         let y = L::load_vertices(leaf, count, self.k[1]);
         let z = L::load_vertices(leaf, count, self.k[2]);
@@ -81,7 +86,8 @@ impl TriangleRay {
         let e2 = L::mul_sub(bx, ay, L::mul(by, ax));
         let d = leaf[0];
         let tiny = f32::MIN_POSITIVE;
-        let error = L::mul_add(L::abs(az), L::splat(64.0 * U * d), L::splat(d * (144.0 * U * d + self.origin_error) + tiny));
+        let error =
+            L::mul_add(L::abs(az), L::splat(64.0 * U * d), L::splat(d * (144.0 * U * d + self.origin_error) + tiny));
         let low = L::min(e0, L::min(e1, e2));
         let high = L::max(e0, L::max(e1, e2));
         let missed = L::lt(low, L::neg(error)) & L::lt(error, high);

@@ -86,8 +86,7 @@ impl Frame {
     #[inline(always)]
     pub(super) fn shear_permuted(&self, vertices: &[[f32; 3]; 3]) -> Sheared {
         let mut sheared = Sheared { x: [0.0; 3], y: [0.0; 3], z: [0.0; 3], edges: [0.0; 3] };
-        for i in 0..3 {
-            let [x, y, z] = vertices[i];
+        for (i, &[x, y, z]) in vertices.iter().enumerate() {
             let z = f64::from(z) - self.origin[2];
             sheared.x[i] = f64::from(x) - self.origin[0] - self.sx * z;
             sheared.y[i] = f64::from(y) - self.origin[1] - self.sy * z;
@@ -143,7 +142,7 @@ impl Sheared {
         let [e0, e1, e2] = self.edges;
         let sum = e0 + e1 + e2;
         let r = 1.0 / sum;
-        (sum.abs() >= 2.0_f64.powi(26) * self.edge_error()).then(|| [e1 * r, e2 * r])
+        (sum.abs() >= 2.0_f64.powi(26) * self.edge_error()).then_some([e1 * r, e2 * r])
     }
 
     /// t* of a hit rounded to the nearest f32, where that is certain: Σ eᵢ zᵢ / Σe / d_z.
