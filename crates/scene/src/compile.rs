@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::sync::Arc;
 
-use bvh_flat::{BuildConfig, BuildError, BuildObserver, BvhAggregate, InvalidBvh, MeshBvh, WideMesh};
+use bvh_flat::{BuildConfig, BuildError, BuildObserver, BvhAggregate, InvalidBvh, MeshBvh, SimdWidth, WideMesh};
 use geometry::{Bounds3, Hit, HitVisitor, Interval, Kernels, Shape, Sphere, TraversalRay, TriangleMesh, Visit};
 use primitive::{GeometricPrimitive, HitKind, Primitive, SurfaceInteraction, TransformedPrimitive};
 
@@ -177,17 +177,24 @@ impl<M: MeshTree> CompiledScene<M> {
         Ok(Self { scene, meshes: distinct, objects })
     }
 
-    /// The same scene and trees, with `shape` of every mesh in place of the mesh: to compare other kernels.
+    /// The same scene and trees, with `shape` of every mesh in place of the mesh, and those over objects traversed with
+    /// `width`: to compare other kernels.
     ///
     /// # Errors
     /// [`InvalidBvh::Geometry`] where a shape is not in the bounds of its mesh.
-    pub fn with_meshes<N: MeshTree>(&self, shape: impl Fn(&M) -> N) -> Result<CompiledScene<N>, InvalidBvh> {
+    pub fn with_meshes<N: MeshTree>(
+        &self,
+        width: SimdWidth,
+        shape: impl Fn(&M) -> N,
+    ) -> Result<CompiledScene<N>, InvalidBvh> {
         let meshes: Vec<N> = self.meshes.iter().map(shape).collect();
         let places: HashMap<*const TriangleMesh, usize> =
             self.meshes.iter().enumerate().map(|(i, mesh)| (Arc::as_ptr(mesh.mesh()), i)).collect();
         let mesh = |mesh: &Arc<TriangleMesh>| meshes[places[&Arc::as_ptr(mesh)]].clone();
-        let aggregate =
-            |index: usize, members| BvhAggregate::from_parts(members, self.objects[index].aggregate.bvh().clone());
+        let aggregate = |index: usize, members| -> Result<_, InvalidBvh> {
+            let bvh = self.objects[index].aggregate.bvh().clone();
+            Ok(BvhAggregate::from_parts(members, bvh)?.with_simd_width(width))
+        };
         let objects = compile_objects(&self.scene, mesh, aggregate)?;
         Ok(CompiledScene { scene: Arc::clone(&self.scene), meshes, objects })
     }
@@ -252,7 +259,7 @@ impl<M: MeshTree> CompiledScene<M> {
     /// What is kept beside the scene's own data, in bytes: the trees, and what their members are.
     pub fn memory(&self) -> usize {
         let meshes: usize = self.meshes.iter().map(MeshTree::memory).sum();
-        let objects = self.objects().map(|object| object.bvh().memory() + size_of_val(object.list().members()));
+        let objects = self.objects().map(|object| object.memory() + size_of_val(object.list().members()));
         meshes + objects.sum::<usize>()
     }
 
