@@ -14,7 +14,7 @@ use scene::RaySets;
 use crate::errors::{Errors, Truth, leaks, per_million, quantile};
 use crate::input::{self, SCENE_HELP, SEED, SceneSource, SplitMethodName};
 use crate::measure::timed;
-use crate::sweep::configuration::{KernelName, Subject};
+use crate::sweep::configuration::Subject;
 use crate::table::{count, table};
 
 #[derive(Args)]
@@ -110,7 +110,7 @@ fn verify_scene(arguments: &Arguments, source: &SceneSource) -> Result<()> {
     let Some(truth) = Truth::new(&compiled, &sets, rays) else {
         bail!("{}: too many instances for the oracle", source.name());
     };
-    let subject = Subject::new(&compiled, KernelName::Watertight)?;
+    let subject = Subject::new(&compiled)?;
     let header =
         ["rays", "count", "missed", "false", "wrong", "t ulp p50", "p99.99", "max", "bound broken", "self-hits"];
     let mut rows = table(&header, 1);

@@ -2,6 +2,7 @@
 
 use glam::{DVec3, Vec2, Vec3};
 
+use crate::exact::exact_weights;
 use crate::{Bounds3, Interval, MAX_COORDINATE, SurfacePoint, TraversalRay};
 
 /// Half the spacing of f64 at 1: the relative error of one rounding.
@@ -153,24 +154,38 @@ fn plane_t(ray: &TraversalRay, vertices: &[Vec3; 3], z: [f64; 3]) -> Option<f64>
     Some(if t > nearest { t.min(farthest) } else { nearest })
 }
 
+/// Barycentric weights, and a bound on the sum of their errors; they add up to 1 within 2u.
+#[inline]
+fn weights_within(ray: &TraversalRay, vertices: &[Vec3; 3], bounds: &Bounds3) -> ([f64; 3], f64) {
+    /// A small part of what f32 can tell.
+    const FINE: f64 = 1.0 / (1_u64 << 27) as f64;
+    let in_f64 = Weights::of_plane_hit(ray, vertices).map(|weights| (weights.b, weights.error));
+    if let Some((b, error)) = in_f64
+        && error <= FINE
+    {
+        return (b, error);
+    }
+    let exact = if bounds.is_valid() { exact_weights(ray, vertices) } else { None };
+    let exact = exact.map(|[u, v]| ([(1.0 - u - v).max(0.0), u, v], 24.0 * U64));
+    exact.or(in_f64).unwrap_or(([1.0, 0.0, 0.0], 1.0))
+}
+
 /// The point where `ray` meets the plane of the triangle, clamped into the triangle.
 ///
 /// `p_error` bounds the distance from the exact intersection of the f64 ray with the plane, for each axis: the weights'
-/// error times the triangle's extent on that axis (the weights' errors add up to zero), and the roundings of the sum.
+/// error times the triangle's extent on that axis (the weights' errors add up to zero), and the roundings of the sum. Where
+/// f64 says little, of a triangle that is nearly edge-on, the weights are exact ones, rounded.
 /// `uvs` are the vertices' texture coordinates. The normal of a degenerate triangle, which no ray hits, is zero.
 pub fn triangle_surface_point(ray: &TraversalRay, vertices: &[Vec3; 3], uvs: &[Vec2; 3]) -> SurfacePoint {
     let v = vertices.map(|v| v.as_dvec3());
     let n = (v[1] - v[0]).cross(v[2] - v[0]).normalize_or_zero();
-    let (b, error) = match Weights::of_plane_hit(ray, vertices) {
-        Some(weights) => (weights.b, weights.error),
-        None => ([1.0, 0.0, 0.0], 1.0),
-    };
-    let p = b[0] * v[0] + b[1] * v[1] + b[2] * v[2];
     let bounds = Bounds3::from_points(*vertices);
+    let (b, error) = weights_within(ray, vertices, &bounds);
+    let p = b[0] * v[0] + b[1] * v[1] + b[2] * v[2];
     let extent = bounds.max.as_dvec3() - bounds.min.as_dvec3();
     let size = v[0].abs().max(v[1].abs()).max(v[2].abs());
     let uv = b[0] as f32 * uvs[0] + b[1] as f32 * uvs[1] + b[2] as f32 * uvs[2];
-    SurfacePoint { p, p_error: extent * error + size * DVec3::splat(6.0 * U64), n, uv }
+    SurfacePoint { p, p_error: extent * error + size * DVec3::splat(8.0 * U64), n, uv }
 }
 
 #[cfg(test)]

@@ -4,16 +4,16 @@ use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::sync::Arc;
 
-use bvh_flat::{BuildConfig, BuildError, BuildObserver, BvhAggregate, InvalidBvh, MeshBvh};
-use geometry::{Bounds3, Hit, HitVisitor, Interval, Shape, Sphere, TraversalRay, TriangleMesh, Visit};
+use bvh_flat::{BuildConfig, BuildError, BuildObserver, BvhAggregate, InvalidBvh, MeshBvh, SimdWidth, WideMesh};
+use geometry::{Bounds3, Hit, HitVisitor, Interval, Kernels, Shape, Sphere, TraversalRay, TriangleMesh, Visit};
 use primitive::{GeometricPrimitive, HitKind, Primitive, SurfaceInteraction, TransformedPrimitive};
 
 use crate::{Geometry, Scene, SceneShape};
 
 /// The closed set of what the objects of a scene consist of. An enum, so that a ray is not dispatched through pointers.
-/// `M` is what a mesh is made to: [`MeshBvh`], unless other kernels are to be compared.
+/// `M` is what a mesh is made to: [`WideMesh`], unless other trees or kernels are to be compared.
 #[derive(Debug)]
-pub enum ScenePrimitive<M = MeshBvh> {
+pub enum ScenePrimitive<M = WideMesh> {
     /// A mesh with its own tree: one primitive of the aggregate around it.
     Mesh(GeometricPrimitive<M>),
     /// A sphere.
@@ -23,7 +23,7 @@ pub enum ScenePrimitive<M = MeshBvh> {
 }
 
 /// A compiled object: its geometries first, then its instances, each in scene order, with a tree over all.
-pub type ObjectAggregate<M = MeshBvh> = BvhAggregate<ScenePrimitive<M>>;
+pub type ObjectAggregate<M = WideMesh> = BvhAggregate<ScenePrimitive<M>>;
 
 macro_rules! each {
     ($self:expr, $primitive:ident => $body:expr) => {
@@ -61,14 +61,57 @@ impl<M: Shape> Primitive for ScenePrimitive<M> {
     }
 }
 
+/// What a mesh of a scene is made to: a shape with a tree. Clones share it.
+pub trait MeshTree: Shape + Clone {
+    /// Builds a tree over `mesh`, telling `observer` of each phase.
+    ///
+    /// # Errors
+    /// [`BuildError`] for a configuration or a size that the builder refuses.
+    fn build(mesh: Arc<TriangleMesh>, config: &BuildConfig, observer: &dyn BuildObserver) -> Result<Self, BuildError>;
+
+    /// The mesh.
+    fn mesh(&self) -> &Arc<TriangleMesh>;
+
+    /// What is kept beside the mesh itself, in bytes.
+    fn memory(&self) -> usize;
+}
+
+impl MeshTree for WideMesh {
+    fn build(mesh: Arc<TriangleMesh>, config: &BuildConfig, observer: &dyn BuildObserver) -> Result<Self, BuildError> {
+        Self::build_observed(mesh, config, observer)
+    }
+
+    fn mesh(&self) -> &Arc<TriangleMesh> {
+        self.mesh()
+    }
+
+    fn memory(&self) -> usize {
+        self.memory()
+    }
+}
+
+impl<K: Kernels + Clone> MeshTree for MeshBvh<K> {
+    fn build(mesh: Arc<TriangleMesh>, config: &BuildConfig, observer: &dyn BuildObserver) -> Result<Self, BuildError> {
+        Ok(MeshBvh::build_observed(mesh, config, observer)?.with_kernels())
+    }
+
+    fn mesh(&self) -> &Arc<TriangleMesh> {
+        self.mesh()
+    }
+
+    fn memory(&self) -> usize {
+        self.memory()
+    }
+}
+
 /// A scene with its trees: one for each mesh, one for each object.
 ///
 /// Its primitives are numbered depth first: the world's geometries in scene order, then its instances, each like a copy
 /// of its object. Of hits at the same `t`, the one with the smaller (instance, geometry, primitive) wins.
 #[derive(Debug)]
-pub struct CompiledScene<M = MeshBvh> {
+pub struct CompiledScene<M = WideMesh> {
     scene: Arc<Scene>,
-    meshes: Vec<MeshBvh>,
+    meshes: Vec<M>,
     /// As the scene numbers them; the world is the first.
     objects: Vec<CompiledObject<M>>,
 }
@@ -93,11 +136,26 @@ pub struct PrimitiveName {
 }
 
 impl CompiledScene {
-    /// Builds the trees of `scene`: of each mesh once, however many geometries share it.
+    /// Builds the trees of `scene`: of each mesh once, however many geometries share it. Meshes are [`WideMesh`]es, so
+    /// that every decision within one is exact.
     ///
     /// # Errors
-    /// [`BuildError`] for a configuration that the builder refuses.
+    /// [`BuildError`] for a configuration that the builder refuses, or a mesh that is too large.
     pub fn build(
+        scene: impl Into<Arc<Scene>>,
+        config: &BuildConfig,
+        observer: &dyn BuildObserver,
+    ) -> Result<Self, BuildError> {
+        Self::build_with(scene, config, observer)
+    }
+}
+
+impl<M: MeshTree> CompiledScene<M> {
+    /// As [`build`](CompiledScene::build), with meshes made to `M`.
+    ///
+    /// # Errors
+    /// As [`build`](CompiledScene::build).
+    pub fn build_with(
         scene: impl Into<Arc<Scene>>,
         config: &BuildConfig,
         observer: &dyn BuildObserver,
@@ -110,7 +168,7 @@ impl CompiledScene {
                 && let Entry::Vacant(entry) = meshes.entry(Arc::as_ptr(mesh))
             {
                 entry.insert(distinct.len());
-                distinct.push(MeshBvh::build_observed(Arc::clone(mesh), config, observer)?);
+                distinct.push(M::build(Arc::clone(mesh), config, observer)?);
             }
         }
         let mesh = |mesh: &Arc<TriangleMesh>| distinct[meshes[&Arc::as_ptr(mesh)]].clone();
@@ -119,18 +177,26 @@ impl CompiledScene {
         Ok(Self { scene, meshes: distinct, objects })
     }
 
-    /// The same scene and trees, with `shape` of every mesh in place of the mesh: to compare other kernels.
+    /// The same scene and trees, with `shape` of every mesh in place of the mesh, and those over objects traversed with
+    /// `width`: to compare other kernels.
     ///
     /// # Errors
     /// [`InvalidBvh::Geometry`] where a shape is not in the bounds of its mesh.
-    pub fn with_meshes<M: Shape + Clone>(&self, shape: impl Fn(&MeshBvh) -> M) -> Result<CompiledScene<M>, InvalidBvh> {
-        let shapes: HashMap<*const TriangleMesh, M> =
-            self.meshes.iter().map(|mesh| (Arc::as_ptr(mesh.mesh()), shape(mesh))).collect();
-        let mesh = |mesh: &Arc<TriangleMesh>| shapes[&Arc::as_ptr(mesh)].clone();
-        let aggregate =
-            |index: usize, members| BvhAggregate::from_parts(members, self.objects[index].aggregate.bvh().clone());
+    pub fn with_meshes<N: MeshTree>(
+        &self,
+        width: SimdWidth,
+        shape: impl Fn(&M) -> N,
+    ) -> Result<CompiledScene<N>, InvalidBvh> {
+        let meshes: Vec<N> = self.meshes.iter().map(shape).collect();
+        let places: HashMap<*const TriangleMesh, usize> =
+            self.meshes.iter().enumerate().map(|(i, mesh)| (Arc::as_ptr(mesh.mesh()), i)).collect();
+        let mesh = |mesh: &Arc<TriangleMesh>| meshes[places[&Arc::as_ptr(mesh)]].clone();
+        let aggregate = |index: usize, members| -> Result<_, InvalidBvh> {
+            let bvh = self.objects[index].aggregate.bvh().clone();
+            Ok(BvhAggregate::from_parts(members, bvh)?.with_simd_width(width))
+        };
         let objects = compile_objects(&self.scene, mesh, aggregate)?;
-        Ok(CompiledScene { scene: Arc::clone(&self.scene), meshes: self.meshes.clone(), objects })
+        Ok(CompiledScene { scene: Arc::clone(&self.scene), meshes, objects })
     }
 }
 
@@ -164,7 +230,7 @@ fn compile_objects<M: Shape, E>(
     Ok(objects.into_iter().flatten().collect())
 }
 
-impl<M: Shape> CompiledScene<M> {
+impl<M: MeshTree> CompiledScene<M> {
     /// The aggregate over the whole scene, in world space.
     pub fn world(&self) -> &ObjectAggregate<M> {
         &self.objects[0].aggregate
@@ -176,7 +242,7 @@ impl<M: Shape> CompiledScene<M> {
     }
 
     /// The trees over meshes, each once.
-    pub fn meshes(&self) -> &[MeshBvh] {
+    pub fn meshes(&self) -> &[M] {
         &self.meshes
     }
 
@@ -192,8 +258,8 @@ impl<M: Shape> CompiledScene<M> {
 
     /// What is kept beside the scene's own data, in bytes: the trees, and what their members are.
     pub fn memory(&self) -> usize {
-        let meshes: usize = self.meshes.iter().map(|mesh| mesh.memory()).sum();
-        let objects = self.objects().map(|object| object.bvh().memory() + size_of_val(object.list().members()));
+        let meshes: usize = self.meshes.iter().map(MeshTree::memory).sum();
+        let objects = self.objects().map(|object| object.memory() + size_of_val(object.list().members()));
         meshes + objects.sum::<usize>()
     }
 

@@ -22,7 +22,7 @@ mod spelling;
 mod stl;
 
 pub use camera::{Camera, CameraError, CameraSettings, CameraView};
-pub use compile::{CompiledScene, ObjectAggregate, PrimitiveName, ScenePrimitive};
+pub use compile::{CompiledScene, MeshTree, ObjectAggregate, PrimitiveName, ScenePrimitive};
 pub use load::{LoadError, Place, load};
 pub use procedural::{BuiltIn, BuiltInError, MAX_TRIANGLES, meshes};
 pub use rays::{RayFileError, RaySegment, RaySets, read_rays, write_rays};

@@ -13,6 +13,8 @@ struct Line<'a> {
     scene: &'a str,
     primitives: u64,
     instanced_primitives: u64,
+    layout: &'a str,
+    simd_width: &'a str,
     split_method: &'a str,
     build_ms: f64,
     build_rounds: u32,
@@ -74,13 +76,15 @@ pub fn json_lines(sweeps: &[Sweep]) -> String {
 
 fn line<'a>(sweep: &'a Sweep, configuration: &'a Configuration, trace: &'a Trace) -> Line<'a> {
     let build = &sweep.builds[configuration.build];
-    let [box_test, triangle_test] = configuration.kernels.tests();
+    let [box_test, triangle_test] = configuration.traversal.tests();
     let milliseconds = |d: Duration| d.as_secs_f64() * 1e3;
     let leaks = configuration.leaks.iter().map(|(aim, leaks, rays)| ((*aim).to_owned(), vec![*leaks, *rays].into()));
     Line {
         scene: &sweep.scene,
         primitives: sweep.primitives,
         instanced_primitives: sweep.instanced_primitives,
+        layout: build.layout.name(),
+        simd_width: configuration.traversal.width(),
         split_method: build.method.name(),
         build_ms: milliseconds(build.time),
         build_rounds: build.rounds,

@@ -11,7 +11,7 @@ use std::path::PathBuf;
 use anyhow::{Context, Result};
 use clap::Args;
 
-use self::configuration::KernelName;
+use self::configuration::{KernelName, Layout, WidthName};
 use crate::input::{SCENE_HELP, SceneSource, SplitMethodName};
 
 #[derive(Args)]
@@ -21,13 +21,20 @@ pub struct Arguments {
     /// The split methods to build with; all by default
     #[arg(long, value_enum, value_delimiter = ',', value_name = "METHOD")]
     split_method: Vec<SplitMethodName>,
-    /// The box test and triangle test to trace with; all by default, to show what the naive ones lose
+    /// The layouts of trees over meshes; both by default
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "LAYOUT")]
+    layout: Vec<Layout>,
+    /// The SIMD widths to traverse wide trees with; all that the processor has by default
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "WIDTH")]
+    simd_width: Vec<WidthName>,
+    /// The box test and triangle test in binary trees; all by default, to show what the naive ones lose
     #[arg(long, value_enum, value_delimiter = ',', value_name = "KERNELS")]
     kernels: Vec<KernelName>,
     /// Rays of each kind, at most
     #[arg(long, default_value_t = 1 << 16, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1 << 24))]
     rays: u32,
-    /// Rays of each kind whose answers are compared with the exact ones, and rays for each kind of leak; 0 for none
+    /// Rays of each kind whose answers are compared with the exact ones, and rays for each kind of leak; 0 for none. Most
+    /// of a sweep's time goes there
     #[arg(long, default_value_t = 4096, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=1 << 24))]
     judged_rays: u32,
     /// Timed rounds, of builds and then of traces; each goes through all configurations in turn, and the median counts.

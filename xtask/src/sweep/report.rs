@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use super::builds::Build;
+use super::configuration::{Promise, Traversal};
 use super::run::{Configuration, Sweep};
 use crate::errors::{Errors, per_million, quantile};
 use crate::table::{count, table};
@@ -15,6 +16,7 @@ pub fn print(sweep: &Sweep, threads: usize) {
     }
     print_builds(sweep, threads);
     print_traces(sweep);
+    print_ways(sweep);
     if sweep.configurations.iter().any(|c| c.total_errors().is_some()) {
         print_errors(sweep);
     } else {
@@ -26,11 +28,15 @@ pub fn print(sweep: &Sweep, threads: usize) {
 fn print_builds(sweep: &Sweep, threads: usize) {
     let rounds = sweep.builds.iter().map(|b| b.rounds).max().unwrap_or(0);
     let timed = if rounds == 1 { "1 timed round".to_owned() } else { format!("the median of {rounds} rounds") };
-    println!("\nBuild, {threads} threads, {timed}");
-    let header = ["split method", "build ms", "Mprim/s", "nodes", "leaves", "depth", "SAH cost", "bytes/prim"];
-    let mut builds = table(&header, 1);
+    println!(
+        "\nBuild, {threads} threads, {timed}; nodes, depth and cost are those of the binary trees that are built first"
+    );
+    let header =
+        ["layout", "split method", "build ms", "Mprim/s", "nodes", "leaves", "depth", "SAH cost", "bytes/prim"];
+    let mut builds = table(&header, 2);
     for build in &sweep.builds {
         builds.add_row([
+            build.layout.name().to_owned(),
             build.method.name().to_owned(),
             format!("{:.1}", build.time.as_secs_f64() * 1e3),
             format!("{:.2}", per_second(sweep.primitives as usize, build.time)),
@@ -45,7 +51,9 @@ fn print_builds(sweep: &Sweep, threads: usize) {
 }
 
 fn print_traces(sweep: &Sweep) {
-    println!("\nTrace, 1 thread, the library's own kernels");
+    // The default; where it was not chosen, what is nearest to it.
+    let Some(traversal) = sweep.configurations.first().map(|c| c.traversal) else { return };
+    println!("\nTrace, 1 thread, {}", name_of(traversal));
     let header = [
         "split method",
         "rays",
@@ -58,7 +66,7 @@ fn print_traces(sweep: &Sweep) {
         "any tests/ray",
     ];
     let mut traces = table(&header, 2);
-    for configuration in sweep.configurations.iter().filter(|c| c.kernels.is_sound()) {
+    for configuration in sweep.configurations.iter().filter(|c| c.traversal == traversal) {
         for trace in &configuration.traces {
             let rays = trace.rays.max(1) as f64;
             traces.add_row([
@@ -77,9 +85,52 @@ fn print_traces(sweep: &Sweep) {
     println!("{traces}");
 }
 
+/// A way of traversal, in words.
+fn name_of(traversal: Traversal) -> String {
+    let [boxes, triangles] = traversal.tests();
+    format!("{} {}, {boxes} boxes, {triangles} triangles", traversal.layout().name(), traversal.width())
+}
+
+/// Layouts, widths and kernels beside each other: a row each, a pair of columns for each split method.
+fn print_ways(sweep: &Sweep) {
+    println!("\nLayouts, SIMD widths and kernels, all kinds of rays together: closest and any Mray/s");
+    let methods: Vec<&str> = sweep.builds.iter().map(|b| b.method.name()).collect();
+    let methods: Vec<&str> =
+        (0..methods.len()).filter(|&i| !methods[..i].contains(&methods[i])).map(|i| methods[i]).collect();
+    let mut header = vec!["layout", "width", "box", "triangle"];
+    for method in &methods {
+        header.extend([*method, "any"]);
+    }
+    let mut ways = table(&header, 4);
+    let mut seen: Vec<Traversal> = Vec::new();
+    for Configuration { traversal, .. } in &sweep.configurations {
+        if seen.contains(traversal) {
+            continue;
+        }
+        seen.push(*traversal);
+        let [boxes, triangles] = traversal.tests();
+        let mut row = [traversal.layout().name(), traversal.width(), boxes, triangles].map(str::to_owned).to_vec();
+        for method in &methods {
+            let mut of_method = sweep.configurations.iter().filter(|c| c.traversal == *traversal);
+            let found = of_method.find(|c| sweep.method(c).name() == *method);
+            let speed = |f: fn(&Configuration) -> f64| found.map_or("-".to_owned(), |c| format!("{:.2}", f(c)));
+            row.extend([speed(Configuration::closest_speed), speed(Configuration::any_speed)]);
+        }
+        ways.add_row(row);
+    }
+    println!("{ways}");
+    for (promise, name) in [(Promise::Exact, "exact"), (Promise::Watertight, "watertight")] {
+        let (hash, rows) = sweep.answers_hash(promise);
+        if rows > 0 {
+            println!("answers  {hash:016x}, the same for all {rows} rows of {name} triangles");
+        }
+    }
+}
+
 fn print_errors(sweep: &Sweep) {
     println!("\nSpeed against error, all kinds of rays together; wrong answers and leaks are per million rays");
     let header = [
+        "layout",
         "split method",
         "box",
         "triangle",
@@ -100,13 +151,17 @@ fn print_errors(sweep: &Sweep) {
         "any≠closest",
         "front",
     ];
-    let mut errors = table(&header, 3);
-    for configuration in &sweep.configurations {
+    let mut errors = table(&header, 4);
+    // One width stands for all, whose answers are the same.
+    let width = sweep.configurations.iter().find(|c| matches!(c.traversal, Traversal::Wide(_))).map(|c| c.traversal);
+    let stands = |c: &&Configuration| matches!(c.traversal, Traversal::Binary(_)) || Some(c.traversal) == width;
+    for configuration in sweep.configurations.iter().filter(stands) {
         let Some(e) = configuration.total_errors() else { continue };
-        let [boxes, triangles] = configuration.kernels.tests();
+        let [boxes, triangles] = configuration.traversal.tests();
         let leak = |i: usize| configuration.leaks.get(i).map_or("-".to_owned(), |l| per_million(l.1, l.2));
         let points = e.tightness.len() as u64;
         errors.add_row([
+            configuration.traversal.layout().name().to_owned(),
             sweep.method(configuration).name().to_owned(),
             boxes.to_owned(),
             triangles.to_owned(),
@@ -130,9 +185,6 @@ fn print_errors(sweep: &Sweep) {
     }
     println!("{errors}");
     println!("* no other row is both faster and no less right.  0 (<x): none observed, with 95 % confidence below x.");
-    if let Some(hash) = sweep.answers_hash() {
-        println!("answers  {hash:016x}, the same for every tree of the library's own kernels");
-    }
     if let Some(verdict) = verdict(sweep) {
         println!("verdict  {verdict}");
     }
@@ -150,13 +202,13 @@ fn is_on_front(sweep: &Sweep, configuration: &Configuration) -> bool {
 /// What the fastest leaky row would buy, and cost.
 fn verdict(sweep: &Sweep) -> Option<String> {
     let fastest = |sound: bool| {
-        let rows = sweep.configurations.iter().filter(|c| c.kernels.is_sound() == sound && c.total_errors().is_some());
+        let rows = sweep
+            .configurations
+            .iter()
+            .filter(|c| c.traversal.promise().is_some() == sound && c.total_errors().is_some());
         rows.max_by(|a, b| a.closest_speed().total_cmp(&b.closest_speed()))
     };
-    let row = |c: &Configuration| {
-        let [boxes, triangles] = c.kernels.tests();
-        format!("{}, {boxes} boxes, {triangles} triangles", sweep.method(c).name())
-    };
+    let row = |c: &Configuration| format!("{}, {}", sweep.method(c).name(), name_of(c.traversal));
     let (right, leaky) = (fastest(true)?, fastest(false)?);
     let gain = 100.0 * (leaky.closest_speed() / right.closest_speed() - 1.0);
     let observed = right.error_rate();
@@ -177,13 +229,14 @@ fn verdict(sweep: &Sweep) -> Option<String> {
 /// How the cost of a build grows over several scenes.
 pub fn print_growth(sweeps: &[Sweep]) {
     println!("Growth");
-    let mut growth = table(&["scene", "split method", "primitives", "build ms", "ns/prim", "bytes/prim"], 2);
+    let mut growth = table(&["scene", "layout", "split method", "primitives", "build ms", "ns/prim", "bytes/prim"], 3);
     for i in 0..sweeps.iter().map(|s| s.builds.len()).min().unwrap_or(0) {
         for sweep in sweeps {
-            let Build { method, time, bytes, .. } = &sweep.builds[i];
+            let Build { layout, method, time, bytes, .. } = &sweep.builds[i];
             let primitives = sweep.primitives.max(1) as f64;
             growth.add_row([
                 sweep.scene.clone(),
+                layout.name().to_owned(),
                 method.name().to_owned(),
                 count(sweep.primitives),
                 format!("{:.1}", time.as_secs_f64() * 1e3),
@@ -196,10 +249,12 @@ pub fn print_growth(sweeps: &[Sweep]) {
 }
 
 impl Sweep {
-    /// Over the answers of the library's own kernels; they are checked to agree.
-    fn answers_hash(&self) -> Option<u64> {
-        let first = self.configurations.iter().find(|c| c.kernels.is_sound())?;
-        Some(first.traces.iter().fold(0, |hash: u64, trace| hash.rotate_left(17) ^ trace.hash))
+    /// Over the answers of those that promise the same, and how many they are; they are checked to agree.
+    fn answers_hash(&self, promise: Promise) -> (u64, usize) {
+        let mut rows = self.configurations.iter().filter(|c| c.traversal.promise() == Some(promise)).peekable();
+        let traces = rows.peek().map_or(&[][..], |first| &first.traces);
+        let hash = traces.iter().fold(0, |hash: u64, trace| hash.rotate_left(17) ^ trace.hash);
+        (hash, rows.count())
     }
 }
 

@@ -5,16 +5,16 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use anyhow::{Result, bail};
-use bvh_flat::SplitMethod;
 use bvh_flat::geometry::{ClosestHit, FirstHit, Hit, TraversalRay, Work};
 use bvh_flat::primitive::{HitKind, Primitive};
+use bvh_flat::{BuildConfig, SimdWidth, SplitMethod};
 use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressStyle};
-use scene::{RaySegment, RaySets};
+use scene::{CompiledScene, RaySegment, RaySets};
 
 use super::Arguments;
 use super::builds::{Build, build_all, build_rounds};
-use super::configuration::{KernelName, Subject};
+use super::configuration::{Layout, Promise, Subject, Traversal, Trees, WidthName};
 use crate::errors::{self, Errors, Truth};
 use crate::input::{self, SEED, SceneSource, SplitMethodName};
 use crate::measure::{median, timed};
@@ -30,11 +30,11 @@ pub struct Sweep {
     pub configurations: Vec<Configuration>,
 }
 
-/// What was measured with one split method and one choice of kernels.
+/// What was measured with one build and one way to traverse its trees.
 pub struct Configuration {
     /// Its place in [`Sweep::builds`].
     pub build: usize,
-    pub kernels: KernelName,
+    pub traversal: Traversal,
     pub traces: Vec<Trace>,
     /// By what was aimed at: leaks, and rays.
     pub leaks: Vec<(&'static str, u64, u64)>,
@@ -63,19 +63,35 @@ type Rounds = (Vec<Duration>, Vec<Duration>);
 
 pub fn sweep(arguments: &Arguments, source: &SceneSource, pool: &rayon::ThreadPool) -> Result<Sweep> {
     let methods: Vec<SplitMethod> = chosen(&arguments.split_method).into_iter().map(SplitMethodName::method).collect();
-    let kernels = chosen(&arguments.kernels);
-    let configurations = (methods.len() * kernels.len()) as u64;
+    let (layouts, kernels) = (chosen(&arguments.layout), chosen(&arguments.kernels));
+    let widths = widths(&arguments.simd_width)?;
+    // The default comes first.
+    let ways: Vec<(Layout, SplitMethod)> =
+        layouts.iter().flat_map(|&layout| methods.iter().map(move |&method| (layout, method))).collect();
+    let traversals = |layout: &Layout| match layout {
+        Layout::Wide => widths.len(),
+        Layout::Binary => kernels.len(),
+    };
+    let configurations = (methods.len() * layouts.iter().map(traversals).sum::<usize>()) as u64;
     let bar = progress_bar(source);
 
     bar.set_message("load");
     let scene = Arc::new(source.load()?);
     let primitives = scene.geometries().iter().map(|g| g.shape.primitive_count()).sum();
     let rounds = build_rounds(arguments.rounds, primitives);
-    let build_steps = methods.len() as u64 * u64::from(1 + rounds);
+    let build_steps = ways.len() as u64 * u64::from(1 + rounds);
     bar.set_length(2 + build_steps + configurations * (2 + u64::from(arguments.rounds)));
-    let (compiled, builds) = build_all(&scene, &methods, rounds, pool, &bar)?;
+    let (compiled, builds) = build_all(&scene, &ways, rounds, pool, &bar)?;
 
-    let Some(first) = compiled.first() else { bail!("no split method is left to measure") };
+    // Rays and exact answers are those of the default trees, whatever is measured.
+    let own = match compiled.first() {
+        Some(Trees::Wide(_)) => None,
+        _ => Some(CompiledScene::build(Arc::clone(&scene), &BuildConfig::default(), &())?),
+    };
+    let first = match (compiled.first(), &own) {
+        (Some(Trees::Wide(first)), _) | (_, Some(first)) => first,
+        _ => bail!("no layout is left to measure"),
+    };
     bar.set_message("aim rays");
     let camera = input::camera(first);
     let bounds = first.world().world_bound();
@@ -90,11 +106,11 @@ pub fn sweep(arguments: &Arguments, source: &SceneSource, pool: &rayon::ThreadPo
     let mut subjects = Vec::new();
     let mut measured = Vec::new();
     for (build, compiled) in compiled.iter().enumerate() {
-        for &kernels in &kernels {
-            bar.set_message(format!("judge {}", methods[build].name()));
-            let subject = Subject::new(compiled, kernels)?;
+        for (traversal, subject) in Subject::all(compiled, &widths, &kernels)? {
+            bar.set_message(format!("judge {}", ways[build].1.name()));
             let world = &*subject.world;
-            let mut traces: Vec<Trace> = sets.named().map(|(kind, rays)| count(world, kind, rays)).into();
+            let is_exact = traversal.promise() == Some(Promise::Exact);
+            let mut traces: Vec<Trace> = sets.named().map(|(kind, rays)| count(world, kind, rays, is_exact)).into();
             bar.inc(1);
             let mut leaks = Vec::new();
             if let Some(truth) = &truth {
@@ -105,7 +121,7 @@ pub fn sweep(arguments: &Arguments, source: &SceneSource, pool: &rayon::ThreadPo
                     leaks = errors::leaks(&subject.meshes, &truth.leak_tests);
                 });
             }
-            measured.push(Configuration { build, kernels, traces, leaks });
+            measured.push(Configuration { build, traversal, traces, leaks });
             subjects.push(subject);
             bar.inc(1);
         }
@@ -142,6 +158,19 @@ fn chosen<T: ValueEnum + Copy>(names: &[T]) -> Vec<T> {
     if names.is_empty() { T::value_variants().to_vec() } else { names.to_vec() }
 }
 
+/// The widths that the command line chooses; all that the processor has where it chooses none.
+fn widths(names: &[WidthName]) -> Result<Vec<SimdWidth>> {
+    if names.is_empty() {
+        return Ok(SimdWidth::available());
+    }
+    let mut widths = Vec::new();
+    for name in names {
+        let Some(width) = name.width() else { bail!("this processor does not have {name:?}") };
+        widths.push(width);
+    }
+    Ok(widths)
+}
+
 fn progress_bar(source: &SceneSource) -> ProgressBar {
     let bar = ProgressBar::no_length();
     if let Ok(style) = ProgressStyle::with_template("{prefix}  {wide_bar} {pos}/{len}  {msg:<20} {eta:>4} left") {
@@ -164,7 +193,10 @@ fn trace_any(world: &dyn Primitive, rays: &[RaySegment]) -> usize {
 }
 
 /// Traces everything once without a clock: the answers and what they cost in steps.
-fn count(world: &dyn Primitive, kind: &'static str, rays: &[RaySegment]) -> Trace {
+///
+/// A visitor of hits compares rounded t. So of an exact subject, which compares exact ones within a mesh, it agrees about t
+/// and may name another primitive.
+fn count(world: &dyn Primitive, kind: &'static str, rays: &[RaySegment], is_exact: bool) -> Trace {
     let mut trace = Trace {
         kind,
         rays: rays.len(),
@@ -183,11 +215,11 @@ fn count(world: &dyn Primitive, kind: &'static str, rays: &[RaySegment]) -> Trac
         let (mut closest, mut any) = (ClosestHit::new(segment.interval), FirstHit::default());
         let _ = world.visit_hits(&ray, segment.interval, HitKind::Material, &mut closest);
         let _ = world.visit_hits(&ray, segment.interval, HitKind::Material, &mut any);
-        let hit = closest.hit();
+        let (hit, visited) = (world.intersect(&ray, segment.interval), closest.hit());
         trace.closest_work += closest.work();
         trace.any_work += any.work();
         trace.hits += usize::from(hit.is_some());
-        let agree = hit == world.intersect(&ray, segment.interval)
+        let agree = (hit == visited || (is_exact && hit.map(|h| h.t) == visited.map(|h| h.t)))
             && any.hit().is_some() == hit.is_some()
             && world.intersect_p(&ray, segment.interval) == hit.is_some();
         trace.disagreements += u64::from(!agree);
@@ -211,29 +243,37 @@ impl Sweep {
         self.builds[configuration.build].method
     }
 
-    /// What must hold of the library's own kernels: the answers depend neither on the tree nor on the kind of query, no
-    /// ray leaks, and no bound on an error is violated.
+    /// What must hold of all that promise something: the answers depend on the promise alone, neither on the tree, the
+    /// layout, the width nor the kind of query; no ray leaks, and no bound on an error is violated.
     pub fn check(&self) -> Result<()> {
-        let mut sound = self.configurations.iter().filter(|c| c.kernels.is_sound()).peekable();
-        let Some(first) = sound.peek().copied() else { return Ok(()) };
-        for configuration in sound {
-            let (scene, method) = (&self.scene, self.method(configuration).name());
-            for (trace, reference) in configuration.traces.iter().zip(&first.traces) {
+        for (i, configuration) in self.configurations.iter().enumerate() {
+            let Some(promise) = configuration.traversal.promise() else { continue };
+            let describe = |c: &Configuration| {
+                let Configuration { traversal, .. } = c;
+                let [_, triangles] = traversal.tests();
+                let (layout, width) = (traversal.layout().name(), traversal.width());
+                format!("{} {layout} {width}, {triangles}", self.method(c).name())
+            };
+            let (scene, what) = (&self.scene, describe(configuration));
+            let first = self.configurations[..i].iter().find(|c| c.traversal.promise() == Some(promise));
+            for (k, trace) in configuration.traces.iter().enumerate() {
                 let kind = trace.kind;
-                if trace.hash != reference.hash {
-                    bail!("{scene}: {method} and {} answer {kind} rays differently", self.method(first).name());
+                if let Some(first) = first
+                    && first.traces[k].hash != trace.hash
+                {
+                    bail!("{scene}: {what} and {} answer {kind} rays differently", describe(first));
                 }
                 let mismatches = trace.disagreements + trace.errors.as_ref().map_or(0, |e| e.mismatches);
                 if mismatches > 0 {
-                    bail!("{scene}: {method}: closest-hit and any-hit disagree on {mismatches} {kind} rays");
+                    bail!("{scene}: {what}: closest-hit, any-hit and all hits disagree on {mismatches} {kind} rays");
                 }
                 let violations = trace.errors.as_ref().map_or(0, |e| e.bound_violations);
                 if violations > 0 {
-                    bail!("{scene}: {method}: {violations} {kind} hits lie outside of their error bound");
+                    bail!("{scene}: {what}: {violations} {kind} hits lie outside of their error bound");
                 }
             }
             if let Some((aim, leaks, rays)) = configuration.leaks.iter().find(|(_, leaks, _)| *leaks > 0) {
-                bail!("{scene}: {method}: {leaks} of {rays} rays aimed at {aim} leak out of closed meshes");
+                bail!("{scene}: {what}: {leaks} of {rays} rays aimed at {aim} leak out of closed meshes");
             }
         }
         Ok(())

@@ -30,5 +30,6 @@ mod tier;
 mod tests;
 
 pub use enclosure::Enclosure;
+pub(crate) use ray::exact_weights;
 pub use ray::{ExactRay, intersect_triangle_exact, values_of_hit};
 pub use tier::{Tier, TierCounts, TierObserver};

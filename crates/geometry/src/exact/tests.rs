@@ -103,8 +103,8 @@ fn cases(count: usize) -> impl Iterator<Item = (usize, TraversalRay, Line, [Vec3
 #[test]
 fn edge_functions_are_within_their_bounds() {
     let mut certain = [0; 2];
-    for (i, _, line, vertices) in cases(60_000) {
-        let frame = Frame::new(line.origin, line.direction);
+    for (i, ray, line, vertices) in cases(60_000) {
+        let frame = Frame::new(&ray);
         let sheared = frame.shear(&vertices);
         let [low, high] = sheared.edge_range();
         let of_ray = frame.edge_error(&Bounds3::from_points(vertices));

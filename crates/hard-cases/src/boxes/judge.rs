@@ -6,7 +6,7 @@ use geometry::glam::DVec3;
 use geometry::{Hit, Interval, Ray, Shape, TraversalRay, TriangleMesh};
 use oracle::{Closest, ExactHit, ExactReal, MeshOracle, Oracle, PointLocation, Tally};
 
-use crate::{Run, Tries};
+use crate::{AnyShape, Run, Tries};
 
 /// A ray whose distance from an edge is less than this, in the unit of [`edge_distance`], may be decided either way by a
 /// kernel that decides in f32 (metric M1 of the study of accuracy).
@@ -16,7 +16,11 @@ const NEAR_EDGE: f64 = 32.0;
 pub(crate) struct Judge {
     mesh: Arc<TriangleMesh>,
     oracle: MeshOracle,
-    shape: Box<dyn Shape + Send + Sync>,
+    shape: AnyShape,
+    /// The same, asked triangle by triangle.
+    alone: AnyShape,
+    /// Nothing is excused.
+    is_exact: bool,
 }
 
 impl Judge {
@@ -25,7 +29,13 @@ impl Judge {
         let mesh = Arc::new(mesh);
         let shape = run.subject.shape(Arc::clone(&mesh));
         tries.check(shape.is_ok(), || format!("{} does not build: {:?}", run.subject.name(), shape.as_ref().err()));
-        Some(Self { oracle: MeshOracle::new(&mesh), shape: shape.ok()?, mesh })
+        Some(Self {
+            oracle: MeshOracle::new(&mesh),
+            shape: shape.ok()?,
+            alone: run.subject.without_tree(Arc::clone(&mesh)),
+            is_exact: run.subject.is_exact(),
+            mesh,
+        })
     }
 
     /// The mesh.
@@ -36,6 +46,16 @@ impl Judge {
     /// The subject's shape.
     pub(crate) fn shape(&self) -> &(dyn Shape + Send + Sync) {
         &*self.shape
+    }
+
+    /// What the subject's shape must answer like.
+    pub(crate) fn alone(&self) -> &(dyn Shape + Send + Sync) {
+        &*self.alone
+    }
+
+    /// Whether a hit at t may be reported of the open interval; an exact one is rounded, to one of the ends at most.
+    pub(crate) fn may_report(&self, t: f32, interval: Interval) -> bool {
+        interval.contains(t) || (self.is_exact && (t == interval.t_min() || t == interval.t_max()))
     }
 
     /// The subject's closest hit; none of an invalid ray.
@@ -61,7 +81,7 @@ impl Judge {
     }
 
     /// The answer must be the exact one, except about triangles of which the ray passes near an edge, and between hits
-    /// whose t round to the same number.
+    /// whose t round to the same number; of an exact subject without exception.
     ///
     /// Returns whether there is an exact hit, so that the caller can see that the rays are worth something.
     pub(crate) fn tolerant(&self, tries: &mut Tries, ray: &Ray, interval: Interval) -> bool {
@@ -92,7 +112,7 @@ impl Judge {
         let traversal = TraversalRay::new(ray)?;
         let hit = self.shape.intersect(&traversal, interval);
         let any = self.shape.intersect_p(&traversal, interval);
-        let alone = self.mesh.intersect(&traversal, interval);
+        let alone = self.alone.intersect(&traversal, interval);
         tries.check(hit == alone && any == hit.is_some(), || {
             format!("{ray:?} {interval:?}: {hit:?}, any hit {any}, without a tree {alone:?}")
         });
@@ -100,6 +120,11 @@ impl Judge {
     }
 
     fn is_right(&self, ray: &Ray, interval: Interval, hit: Option<Hit>, exact: Option<&Closest>) -> bool {
+        if self.is_exact {
+            // An exact t beyond f32 is no answer.
+            let exact = exact.filter(|exact| exact.t.cmp_f64(f32::MAX.into()).is_lt());
+            return hit.map(|h| (h.primitive, h.t)) == exact.map(|e| (e.primitives[0], e.t.to_f32()));
+        }
         let is_near = |primitive: u64| edge_distance(ray, &self.mesh, primitive as usize) < NEAR_EDGE;
         if let (Some(hit), Some(exact)) = (&hit, exact)
             && exact.primitives.contains(&hit.primitive)

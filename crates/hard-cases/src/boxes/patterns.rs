@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use geometry::glam::Vec3;
-use geometry::{Interval, Ray, Shape, TraversalRay};
+use geometry::{Interval, Ray, TraversalRay};
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
 use super::judge::Judge;
@@ -117,12 +117,12 @@ fn answers_as_the_list(judge: &Judge, tries: &mut Tries, fields: &Fields, what: 
     }
     let Some(traversal) = traversal else { return };
     let hit = judge.shape().intersect(&traversal, interval);
-    let holds = hit == judge.mesh().intersect(&traversal, interval)
+    let holds = hit == judge.alone().intersect(&traversal, interval)
         && judge.shape().intersect_p(&traversal, interval) == hit.is_some()
         && hit.is_none_or(|hit| {
             let p = judge.shape().surface_point(&traversal, &hit);
             let is_within = |x: f32| (0.0..=1.0).contains(&x);
-            interval.contains(hit.t)
+            judge.may_report(hit.t, interval)
                 && is_within(hit.u)
                 && is_within(hit.v)
                 && p.p.is_finite()

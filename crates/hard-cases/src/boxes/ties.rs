@@ -1,5 +1,7 @@
 //! S17, S18: hits at the same t, and at nearly the same.
 
+use std::sync::Arc;
+
 use bvh_flat::BvhAggregate;
 use geometry::glam::Vec3;
 use geometry::{Hit, Interval, Ray, Shape, Sphere, TraversalRay};
@@ -28,6 +30,7 @@ fn copies(tries: &mut Tries, run: &Run) {
     let first = |original: u64| chosen.iter().position(|&i| i as u64 == original);
     let (alone, mesh) = (mesh_of(originals.clone()), mesh_of(chosen.iter().map(|&i| originals[i])));
     let rays = rays_at(&alone, run.effort.pick(500, 50_000), &mut random);
+    let alone = run.subject.without_tree(Arc::new(alone));
     let Some(judge) = Judge::new(tries, run, mesh) else { return };
     for ray in rays {
         let Some(traversal) = TraversalRay::new(&ray) else { continue };

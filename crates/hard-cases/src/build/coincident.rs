@@ -30,7 +30,10 @@ pub(super) fn many_identical(run: &Run) -> Outcome {
         number_0_wins(&mut tries, &label("identical", &config), &bvh, &one, &rays);
     }
     match run.subject.shape(mesh) {
-        Ok(shape) => number_0_wins(&mut tries, "identical", &shape, &one, &rays),
+        Ok(shape) => {
+            let one = run.subject.without_tree(Arc::new(one));
+            number_0_wins(&mut tries, "identical", &*shape, &*one, &rays);
+        }
         Err(error) => tries.check(false, || error.to_string()),
     }
     tries.outcome()

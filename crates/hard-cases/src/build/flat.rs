@@ -8,7 +8,7 @@ use geometry::glam::Vec3;
 use geometry::{Interval, Ray};
 
 use super::meshes::{in_a_line, in_a_plane, mesh_of, morton_extremes, zeros_of_both_signs};
-use super::sweep::{LEAVES, answers, configs, expected, label, rays_at, sweep, tree_over};
+use super::sweep::{LEAVES, answers, configs, expected, label, rays_at, subject_answers, sweep, tree_over};
 use crate::boxes::judge::Judge;
 use crate::{Outcome, Random, Run, Tries};
 
@@ -23,7 +23,7 @@ pub(super) fn ends_of_the_grid(run: &Run) -> Outcome {
             let rays = rays_at(&mesh, run.effort.pick(40, 1_000), &mut random);
             sweep(&mut tries, run, &name, mesh.clone(), &rays, run.effort.pick(&[1, 4], &LEAVES));
             let mesh = Arc::new(mesh);
-            let expected = expected(&mesh, &rays);
+            let expected = expected(&*mesh, &rays);
             for bits in [MortonBits::Bits30, MortonBits::Bits63] {
                 let config = BuildConfig::new(SplitMethod::Hlbvh).with_morton_bits(bits);
                 if let Some(bvh) = tree_over(&mut tries, &name, &mesh, &config) {
@@ -66,7 +66,7 @@ pub(super) fn signs_of_zero(run: &Run) -> Outcome {
     for round in 0..run.effort.pick(5, 100) {
         let [mixed, positive] = zeros_of_both_signs(200, &mut random).map(Arc::new);
         let rays = rays_at(&positive, run.effort.pick(100, 1_000), &mut random);
-        let expected = expected(&positive, &rays);
+        let expected = expected(&*positive, &rays);
         for config in configs(&LEAVES) {
             let bvh = tree_over(&mut tries, "both", &mixed, &config);
             let Some((bvh, plain)) = bvh.zip(tree_over(&mut tries, "positive", &positive, &config)) else { continue };
@@ -74,8 +74,11 @@ pub(super) fn signs_of_zero(run: &Run) -> Outcome {
             tries.check(bits(bvh.bvh()) == bits(plain.bvh()), || format!("{name}: the bits of the trees differ"));
             answers(&mut tries, &name, &bvh, &expected);
         }
+        // The same answers with either sign of zero, and the same as without a tree.
+        subject_answers(&mut tries, run, "both", Arc::clone(&mixed), &rays);
+        let alone = run.subject.without_tree(positive);
         match run.subject.shape(mixed) {
-            Ok(shape) => answers(&mut tries, "both", &shape, &expected),
+            Ok(shape) => answers(&mut tries, "both", &*shape, &super::sweep::expected(&*alone, &rays)),
             Err(error) => tries.check(false, || error.to_string()),
         }
     }

@@ -3,9 +3,10 @@
 use std::sync::Arc;
 
 use bvh_flat::bvh_build::{Tree, build};
-use bvh_flat::{BuildConfig, FlatBvh, MAX_DEPTH, MeshBvh, SplitMethod};
+use bvh_flat::{BuildConfig, FlatBvh, MAX_DEPTH, MeshBvh, SplitMethod, WideMesh};
 use geometry::{Bounds3, Hit, HitVisitor, Interval, Ray, Shape, TraversalRay, TriangleMesh, Visit, Work};
 
+use crate::exact_triangles::ExactTriangles;
 use crate::{Aim, Random, Run, Tries};
 
 /// Leaf sizes that together meet every way to end a recursion.
@@ -39,18 +40,29 @@ pub(crate) fn rays_at(mesh: &TriangleMesh, count: usize, random: &mut Random) ->
         .collect()
 }
 
-/// Builds `mesh` by every split method and with the leaf sizes, and checks each tree and its answers to `rays`, and
-/// those of the subject.
+/// Builds `mesh` by every split method and with the leaf sizes, and checks each tree, its answers to `rays` and those of
+/// the wide tree that it is collapsed to, and those of the subject.
 pub(crate) fn sweep(tries: &mut Tries, run: &Run, name: &str, mesh: TriangleMesh, rays: &[Ray], leaves: &[u32]) {
     let mesh = Arc::new(mesh);
-    let expected = expected(&mesh, rays);
+    let (expected, exact) = (expected(&*mesh, rays), expected(&ExactTriangles::new(Arc::clone(&mesh)), rays));
     for config in configs(leaves) {
         if let Some(bvh) = tree_over(tries, name, &mesh, &config) {
             answers(tries, &label(name, &config), &bvh, &expected);
+            let wide = WideMesh::new(&bvh);
+            tries.check(wide.is_some(), || format!("{}: no wide tree", label(name, &config)));
+            if let Some(wide) = wide {
+                answers(tries, &format!("{}, wide", label(name, &config)), &wide, &exact);
+            }
         }
     }
+    subject_answers(tries, run, name, mesh, rays);
+}
+
+/// Checks that the subject answers as it does without a tree.
+pub(crate) fn subject_answers(tries: &mut Tries, run: &Run, name: &str, mesh: Arc<TriangleMesh>, rays: &[Ray]) {
+    let expected = expected(&*run.subject.without_tree(Arc::clone(&mesh)), rays);
     match run.subject.shape(mesh) {
-        Ok(shape) => answers(tries, name, &shape, &expected),
+        Ok(shape) => answers(tries, name, &*shape, &expected),
         Err(error) => tries.check(false, || format!("{name}: {error}")),
     }
 }
@@ -60,8 +72,8 @@ pub(crate) fn label(name: &str, config: &BuildConfig) -> String {
     format!("{name}, {} with leaves of {}", config.split_method.name(), config.max_primitives_in_leaf)
 }
 
-/// The valid ones of `rays`, with what the mesh alone answers.
-pub(crate) fn expected(mesh: &TriangleMesh, rays: &[Ray]) -> Vec<(TraversalRay, Option<Hit>)> {
+/// The valid ones of `rays`, with what `mesh` answers that has no tree.
+pub(crate) fn expected(mesh: &dyn Shape, rays: &[Ray]) -> Vec<(TraversalRay, Option<Hit>)> {
     let rays = rays.iter().filter_map(TraversalRay::new);
     rays.map(|ray| (ray, mesh.intersect(&ray, Interval::FULL))).collect()
 }

@@ -2,12 +2,13 @@
 
 use std::sync::Arc;
 
-use bvh_flat::{FlatBvh, MeshBvh};
+use bvh_flat::{FlatBvh, MeshBvh, WideMesh};
 use geometry::{Bounds3, Interval, Shape, TriangleMesh};
 use rayon::ThreadPoolBuilder;
 
 use super::meshes::{cascade_of_halves, identical, signed_cascade, teapot_in_a_stadium, uniform};
 use super::sweep::{configs, expected, label, rays_at};
+use crate::exact_triangles::ExactTriangles;
 use crate::{Outcome, Random, Run, Tries};
 
 /// B23, and D04: the tree is the same, bit for bit, on any number of threads.
@@ -62,13 +63,15 @@ pub(super) fn little_stack(run: &Run) -> Outcome {
     let mut tries = Tries::new();
     for (name, mesh) in meshes {
         let rays = rays_at(&mesh, 10, &mut random);
-        let expected = expected(&mesh, &rays);
         let mesh = Arc::new(mesh);
+        let (exact, expected) = (expected(&ExactTriangles::new(Arc::clone(&mesh)), &rays), expected(&*mesh, &rays));
         for config in configs(&[1]) {
             let work = || -> Option<bool> {
                 let pool = ThreadPoolBuilder::new().num_threads(2).stack_size(POOL_STACK).build().ok()?;
                 let bvh = pool.install(|| MeshBvh::build(Arc::clone(&mesh), &config)).ok()?;
-                Some(expected.iter().all(|(ray, hit)| bvh.intersect(ray, Interval::FULL) == *hit))
+                let wide = pool.install(|| WideMesh::build(Arc::clone(&mesh), &config)).ok()?;
+                let is_right = expected.iter().all(|(ray, hit)| bvh.intersect(ray, Interval::FULL) == *hit);
+                Some(is_right && exact.iter().all(|(ray, hit)| wide.intersect(ray, Interval::FULL) == *hit))
             };
             let result = std::thread::scope(|scope| {
                 let thread = std::thread::Builder::new().stack_size(STACK).spawn_scoped(scope, work);

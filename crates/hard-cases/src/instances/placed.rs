@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use bvh_flat::{BuildConfig, MeshBvh};
+use bvh_flat::{BuildConfig, WideMesh};
 use geometry::glam::{DMat3, DVec3, Vec3};
 use geometry::{Hit, Interval, Ray, Shape, Transform, TraversalRay, TriangleMesh};
 use oracle::{Agreement, Closest, ExactTransform, MeshOracle, Oracle, PointAgreement, Tally, Verdict};
@@ -33,9 +33,9 @@ pub(crate) struct Placed {
 
 /// The mesh with its tree and a material.
 pub(crate) fn mesh_primitive(mesh: &Arc<TriangleMesh>) -> Option<AnyPrimitive> {
-    let bvh = MeshBvh::build(Arc::clone(mesh), &BuildConfig::default()).ok()?;
+    let tree = WideMesh::build(Arc::clone(mesh), &BuildConfig::default()).ok()?;
     let surface = Surface::of_material(MaterialId::from_index(0)?);
-    Some(Arc::new(GeometricPrimitive::new(bvh, surface, MediumInterface::VACUUM)))
+    Some(Arc::new(GeometricPrimitive::new(tree, surface, MediumInterface::VACUUM)))
 }
 
 /// A closed, star-shaped mesh around `center` with radii around `size`, of 320 triangles.

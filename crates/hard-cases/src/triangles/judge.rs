@@ -22,18 +22,25 @@ pub(crate) struct Specimen {
     pub(crate) mesh: Arc<TriangleMesh>,
     pub(crate) shape: Box<dyn Shape + Send + Sync>,
     pub(crate) oracle: MeshOracle,
+    /// Nothing is excused.
+    is_exact: bool,
 }
 
 impl Specimen {
     pub(crate) fn new(run: &Run, mesh: TriangleMesh) -> Fallible<Self> {
         let oracle = MeshOracle::new(&mesh);
         let mesh = Arc::new(mesh);
-        Ok(Self { shape: run.subject.shape(Arc::clone(&mesh))?, mesh, oracle })
+        Ok(Self { shape: run.subject.shape(Arc::clone(&mesh))?, mesh, oracle, is_exact: run.subject.is_exact() })
     }
 
     /// The subject's closest hit; a ray that is not valid has none.
     pub(crate) fn closest(&self, ray: &Ray, interval: Interval) -> Option<Hit> {
         self.shape.intersect(&TraversalRay::new(ray)?, interval)
+    }
+
+    /// Whether the subject promises to be exact.
+    pub(crate) fn is_exact(&self) -> bool {
+        self.is_exact
     }
 
     /// The exact closest hits.
@@ -44,8 +51,11 @@ impl Specimen {
     /// A trial of the watertight tier (metric M1): the closest hit is an exact one, or the ray passes within
     /// `NEAR_EDGE` of an edge of the claimed triangle or of an exact one, or their exact t differ by no more than the
     /// spacing of f32, so that they are a tie; the exceptions are counted. Any hit and closest hit agree. The values of
-    /// right hits are judged too. Returns the claim.
+    /// right hits are judged too. Of an exact subject [strictly](Self::judge_strictly). Returns the claim.
     pub(crate) fn judge(&self, ray: &Ray, interval: Interval, findings: &mut Findings) -> Option<Hit> {
+        if self.is_exact {
+            return self.judge_strictly(ray, interval, findings);
+        }
         let claim = self.closest(ray, interval);
         self.judge_any(ray, interval, claim, findings);
         let exact = self.exact(ray, interval);
@@ -75,7 +85,7 @@ impl Specimen {
     pub(crate) fn judge_strictly(&self, ray: &Ray, interval: Interval, findings: &mut Findings) -> Option<Hit> {
         let claim = self.closest(ray, interval);
         self.judge_any(ray, interval, claim, findings);
-        let exact = self.exact(ray, interval);
+        let exact = self.exact(ray, reported(interval));
         let expected = exact.as_ref().map(|e| (e.t.to_f32(), e.primitives[0]));
         findings.check(claim.map(|h| (h.t, h.primitive)) == expected, || {
             format!("{ray:?} {interval:?} hits {claim:?}, exact is {exact:?}")
@@ -164,6 +174,12 @@ impl Specimen {
         claimed.chain(exact).any(|primitive| self.passes_near(ray, primitive))
     }
 
+    /// Whether it is no matter that the answer about the triangle is not the exact one: the ray
+    /// [passes near](Self::passes_near) an edge, and the subject does not promise to be exact.
+    pub(crate) fn is_excused(&self, ray: &Ray, primitive: u64) -> bool {
+        !self.is_exact && self.passes_near(ray, primitive)
+    }
+
     /// Whether the ray passes an edge of the triangle at less than `NEAR_EDGE` in the unit of metric M1: the distance
     /// of the edge's line from the ray's, times the sine of their angle, over u and the largest coordinate of a vertex
     /// relative to the origin.
@@ -189,6 +205,11 @@ impl Specimen {
         let least = exact.t.to_f64();
         hits.iter().any(|hit| hit.primitive == claim.primitive && hit.t.minus(least).cmp_f64(exact.t.ulp32()).is_le())
     }
+}
+
+/// The part of the interval with a t to report: beyond `f32::MAX` there is none.
+fn reported(interval: Interval) -> Interval {
+    interval.with_t_max(interval.t_max().min(f32::MAX))
 }
 
 /// A hit point as a renderer sees it.
