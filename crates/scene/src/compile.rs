@@ -4,7 +4,9 @@ use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::sync::Arc;
 
-use bvh_flat::{BuildConfig, BuildError, BuildObserver, BvhAggregate, InvalidBvh, MeshBvh, SimdWidth, WideMesh};
+use bvh_flat::{
+    BuildConfig, BuildError, BuildObserver, BvhAggregate, InvalidBvh, MeshBvh, SimdWidth, WideLayout, WideMesh,
+};
 use geometry::{Bounds3, Hit, HitVisitor, Interval, Kernels, Shape, Sphere, TraversalRay, TriangleMesh, Visit};
 use primitive::{GeometricPrimitive, HitKind, Primitive, SurfaceInteraction, TransformedPrimitive};
 
@@ -78,7 +80,7 @@ pub trait MeshTree: Shape + Clone {
 
 impl MeshTree for WideMesh {
     fn build(mesh: Arc<TriangleMesh>, config: &BuildConfig, observer: &dyn BuildObserver) -> Result<Self, BuildError> {
-        Self::build_observed(mesh, config, observer)
+        Self::build_observed(mesh, config, WideLayout::default(), observer)
     }
 
     fn mesh(&self) -> &Arc<TriangleMesh> {
