@@ -69,18 +69,7 @@ pub struct Run<'a> {
 
 /// The cases that the library does not pass yet, with what is known of the reason. A test demands that it fails them, so
 /// that none stays here by mistake.
-pub const OPEN: [(&str, &str); 6] = [
-    ("B10", OVERFLOW),
-    ("B13", OVERFLOW),
-    ("S12", OVERFLOW),
-    ("S20", OVERFLOW),
-    ("T07", "as B10 for coordinates beyond 2^43, and below 2^-40 their products underflow, and are thought certain"),
-    ("T19", OVERFLOW),
-];
-
-/// Not with portable lanes, whose products overflow by themselves, to infinities of both signs and hence to NaN.
-const OVERFLOW: &str = "of coordinates beyond 2^43 the f32 filter of wide leaves takes t for certain that overflowed to \
-                        -infinity in a fused sum, and passes by the triangle";
+pub const OPEN: [(&str, &str); 0] = [];
 
 /// The cases that [`BinaryWatertight`] does not pass, with the reason. A test demands that it fails them, and passes the
 /// others.

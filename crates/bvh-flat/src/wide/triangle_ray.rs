@@ -7,6 +7,10 @@ use crate::simd::{LANES, LEAF_NUMBERS, Lanes};
 /// Half the spacing of f32 at 1.
 const U: f32 = f32::EPSILON / 2.0;
 
+/// 2⁻⁶⁰ and 2⁶⁰: products of two numbers between them, and of one with a coordinate, are far from the ends of f32.
+const LEAST: f32 = 1.0 / LARGEST;
+const LARGEST: f32 = (1_u64 << 60) as f32;
+
 /// A ray for the filter: the shear of Woop, Benthin and Wald 2013, in f32.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TriangleRay {
@@ -16,9 +20,11 @@ pub(crate) struct TriangleRay {
     /// −Sx and −Sy.
     sx: f32,
     sy: f32,
-    /// One over the direction's largest component.
+    /// One over the direction's largest component; NaN, with which nothing is certain and nothing ruled out by its t, where
+    /// that is far from the lengths that occur.
     rdz: f32,
-    /// How far the origin may be from the exact one.
+    /// A bound on what the distance of the origin from the exact one adds to coordinates; infinite, so that nothing is ruled
+    /// out, where the origin is so far outside of the domain that products could overflow.
     origin_error: f32,
 }
 
@@ -38,8 +44,12 @@ impl TriangleRay {
         let (shear, o) = (ray.shear(), ray.origin_and_time().to_array());
         let k = [shear.kx & 3, shear.ky & 3, shear.kz & 3];
         let o = [o[k[0]], o[k[1]], o[k[2]]];
-        let origin_error = if ray.is_rounded() { 20.0 * U * o[0].abs().max(o[1].abs()).max(o[2].abs()) } else { 0.0 };
-        Self { k, o, sx: -shear.sx, sy: -shear.sy, rdz: shear.rdz, origin_error }
+        let size = o[0].abs().max(o[1].abs()).max(o[2].abs());
+        let rounded = if ray.is_rounded() { 20.0 * U * size } else { 0.0 };
+        let origin_error = if size <= 2.0 * LARGEST { rounded } else { f32::INFINITY };
+        let is_usual = (LEAST..=LARGEST).contains(&shear.rdz.abs());
+        let rdz = if is_usual { shear.rdz } else { f32::NAN };
+        Self { k, o, sx: -shear.sx, sy: -shear.sy, rdz, origin_error }
     }
 
     /// The axes in the order of the shear.
@@ -67,7 +77,10 @@ impl TriangleRay {
     /// differ: little, where a triangle faces the ray. The weights are wrong by 24E / (|Σe| − 12E) together, which is below
     /// 40E / |Σe| where |Σe| > 32E; the rest are at most 14 roundings of |A_z| + D, and 5 for those of the difference.
     ///
-    /// The comparisons are written so that what overflows, and becomes NaN, is neither missed nor certain.
+    /// *Underflow.* It is in E: the least normal number is more than products of edges can lose. What sums of products with
+    /// depths lose, 2⁻¹⁴⁷, is 2⁻⁸⁷ of depth at most where |Σe| >= 2⁻⁶⁰, which is less than the roundings counted above, since
+    /// D >= 2⁻³² then. Where t is below 2⁻⁶⁰ nothing is certain. *Overflow.* Edge functions are below 2¹²⁷, as the origin is within 2⁶¹. Where |Σe| is
+    /// beyond 2⁶⁰ nothing is certain. The comparisons are written so that NaN is neither missed nor certain.
     #[inline(always)]
     pub(crate) fn candidates<L: Lanes>(
         &self,
@@ -112,16 +125,18 @@ impl TriangleRay {
         }
         let error = L::mul(error, L::splat(4.0));
         let sum = L::add(e0, L::add(e1, e2));
+        let size = L::abs(sum);
         let sure = (L::lt(error, low) | L::lt(high, L::neg(error)))
-            & L::lt(L::mul(error, L::splat(8.0)), L::abs(sum))
+            & L::lt(L::mul(error, L::splat(8.0)), size)
+            & L::lt(L::splat(LEAST), size)
+            & L::lt(size, L::splat(LARGEST))
             & L::lt(L::max(L::abs(ax), L::abs(ay)), L::splat(2.25 * d));
         let r = L::div(L::splat(1.0), sum);
         let t = L::mul(L::mul(L::mul_add(e0, az, L::mul_add(e1, bz, L::mul(e2, cz))), r), rdz);
         let of_weights = L::mul(L::mul(L::abs(r), error), L::mul(spread, L::splat(10.0)));
         let width = L::add(of_weights, of_depth);
         let (low, high) = (L::sub(t, width), L::add(t, width));
-        // The ends are finite, or nothing is certain.
-        let sure = sure & L::lt(low, L::splat(f32::INFINITY)) & L::lt(high, L::splat(f32::INFINITY));
+        let sure = sure & L::lt(L::splat(LEAST), L::abs(t));
         let maybe = maybe & !(sure & (L::lt(t_max, low) | L::lt(high, t_min)));
         Some(Candidates { maybe, sure: sure & maybe, low: L::to_array(low), high: L::to_array(high) })
     }

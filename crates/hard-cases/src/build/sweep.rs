@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use bvh_flat::bvh_build::{Tree, build};
-use bvh_flat::{BuildConfig, FlatBvh, MAX_DEPTH, MeshBvh, SplitMethod, WideMesh};
+use bvh_flat::{BuildConfig, FlatBvh, MAX_DEPTH, MeshBvh, SplitMethod, WideLayout, WideMesh};
 use geometry::{Bounds3, Hit, HitVisitor, Interval, Ray, Shape, TraversalRay, TriangleMesh, Visit, Work};
 
 use crate::exact_triangles::ExactTriangles;
@@ -41,17 +41,20 @@ pub(crate) fn rays_at(mesh: &TriangleMesh, count: usize, random: &mut Random) ->
 }
 
 /// Builds `mesh` by every split method and with the leaf sizes, and checks each tree, its answers to `rays` and those of
-/// the wide tree that it is collapsed to, and those of the subject.
+/// the wide trees that it is collapsed to, and those of the subject.
 pub(crate) fn sweep(tries: &mut Tries, run: &Run, name: &str, mesh: TriangleMesh, rays: &[Ray], leaves: &[u32]) {
     let mesh = Arc::new(mesh);
     let (expected, exact) = (expected(&*mesh, rays), expected(&ExactTriangles::new(Arc::clone(&mesh)), rays));
     for config in configs(leaves) {
         if let Some(bvh) = tree_over(tries, name, &mesh, &config) {
             answers(tries, &label(name, &config), &bvh, &expected);
-            let wide = WideMesh::new(&bvh);
-            tries.check(wide.is_some(), || format!("{}: no wide tree", label(name, &config)));
-            if let Some(wide) = wide {
-                answers(tries, &format!("{}, wide", label(name, &config)), &wide, &exact);
+            for layout in WideLayout::ALL {
+                let name = format!("{}, {}", label(name, &config), layout.name());
+                let wide = WideMesh::new(&bvh, layout);
+                tries.check(wide.is_some(), || format!("{name}: no wide tree"));
+                if let Some(wide) = wide {
+                    answers(tries, &name, &wide, &exact);
+                }
             }
         }
     }
