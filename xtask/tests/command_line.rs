@@ -129,7 +129,8 @@ fn sweep_prints_its_tables_and_writes_its_results() {
     let (code, text) = run(&["sweep", "--rays", "512", "--rounds", "2", "--judged-rays", "64"], folder.path());
     assert_eq!(code, 0, "{text}");
     let words = ["sah", "hlbvh", "middle", "equal-counts", "primary", "shadow", "diffuse", "random", "Mray/s"];
-    let more = ["wide", "binary", "portable", "exact", "watertight", "moller-trumbore", "vertex leaks", "verdict", "0 (<"];
+    let more =
+        ["wide", "binary", "portable", "exact", "watertight", "moller-trumbore", "vertex leaks", "verdict", "0 (<"];
     for word in words.into_iter().chain(more) {
         assert!(text.contains(word), "{word} is not in: {text}");
     }
