@@ -35,7 +35,7 @@ pub struct Arguments {
     rays: u32,
     /// Rays of each kind whose answers are compared with the exact ones, and rays for each kind of leak; 0 for none. Most
     /// of a sweep's time goes there
-    #[arg(long, default_value_t = 4096, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=1 << 24))]
+    #[arg(long, default_value_t = 1024, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=1 << 24))]
     judged_rays: u32,
     /// Timed rounds, of builds and then of traces; each goes through all configurations in turn, and the median counts.
     /// Scenes of more than 3 million primitives are built in one timed round
