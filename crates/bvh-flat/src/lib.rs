@@ -5,7 +5,7 @@
 //! This is the only crate that knows the bytes of a tree. A [`FlatBvh`] is valid by construction: traversal relies on
 //! it and checks nothing again. The tree hands a leaf's *range* to whoever stores the primitives; nothing in the tree
 //! knows what a primitive is. Without the feature `build` the crate traces trees and has no builder, no rayon and no
-//! radix sort. It prints nothing, reads no clock, and never panics on input.
+//! radix sort. It prints nothing, reads no clock, and never panics on input. `unsafe` code is in the module `simd` alone.
 
 mod aggregate;
 mod exact_mesh;

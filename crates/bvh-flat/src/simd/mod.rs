@@ -15,6 +15,8 @@ mod avx512;
 mod portable;
 mod stack;
 mod width;
+#[cfg(target_arch = "x86_64")]
+mod x86;
 
 pub(crate) use stack::Stack;
 pub use width::SimdWidth;

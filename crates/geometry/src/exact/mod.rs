@@ -1,8 +1,8 @@
 //! Decisions about rays and triangles that are those of real arithmetic.
 //!
-//! The default kernel is [watertight](crate::intersect_triangle): neighbours agree, but a ray that passes an edge at less
-//! than f32 can see may hit either of them, and of two surfaces an ulp apart either may be the closer. This tier is for
-//! those who want neither: every decision is the one that real arithmetic takes on the given numbers.
+//! A [watertight](crate::intersect_triangle) test only makes neighbours agree: a ray that passes an edge at less than f32
+//! can see may hit either of them, and of two surfaces an ulp apart either may be the closer. Here every decision is the
+//! one that real arithmetic takes on the given numbers; so it can depend on no tree, no layout and no width of registers.
 //!
 //! *Semantics.* An f32 stands for the number it is, and so does each f64 of a ray that was transformed into an instance.
 //! A triangle is closed and has two sides: with pᵢ = vᵢ − o it is hit where its edge functions eᵢ = det[pⱼ, pₖ, d] are
