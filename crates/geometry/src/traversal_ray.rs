@@ -43,11 +43,11 @@ pub struct Shear {
     pub ky: usize,
     /// The axis of the largest component of the direction.
     pub kz: usize,
-    /// d[kx] / d[kz], rounded.
+    /// d_kx / d_kz, rounded.
     pub sx: f32,
-    /// d[ky] / d[kz], rounded.
+    /// d_ky / d_kz, rounded.
     pub sy: f32,
-    /// 1 / d[kz], rounded; infinite where that is beyond f32.
+    /// 1 / d_kz, rounded; infinite where that is beyond f32.
     pub rdz: f32,
 }
 
