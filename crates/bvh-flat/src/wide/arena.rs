@@ -66,6 +66,9 @@ pub(crate) struct Arena {
 
 impl Arena {
     /// Lines in which children name nodes and leaves.
+    ///
+    /// Rejected: large pages. With all 84 MB of kitchen's tree in pages of 2 MiB no kind of ray was faster by more than the
+    /// noise of 2 %, nor on dragon and black-forest.
     pub(crate) fn new(mut lines: Vec<Line>) -> Self {
         lines.extend([Line::default(); LEAF_LINES]);
         lines.shrink_to_fit();

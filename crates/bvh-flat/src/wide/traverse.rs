@@ -69,10 +69,10 @@ impl<L: Lanes> Way<L> {
 
     /// Visits a node or a leaf: where the ray comes to next, or `None` at the end of its way.
     ///
-    /// Both children of a node that the ray meets in two places are compared by distance; of more, the nearest is next and
-    /// the others follow in the order of the ray's octant. Rejected: the order of the octant for all (2 % fewer nodes on
-    /// coherent rays where it is right, but 10 % more on kitchen's, where it is wrong), and the others in no order (6 % more
-    /// nodes on sponza's diffuse rays).
+    /// The nearest of the children that are met is next; of three and more the others follow in the order of the ray's octant.
+    /// Rejected: the order of the octant for all, with which kitchen's primary rays visit 8.7 nodes and test 8.8 triangles
+    /// instead of 8.3 and 6.8; and the others in no order, with which sponza's diffuse rays visit 12.3 and test 11.1 instead of
+    /// 11.8 and 10.1.
     #[inline(always)]
     pub(crate) fn step<const REGULAR: bool, N: WideNode, Q: Query>(
         &mut self,
