@@ -21,14 +21,14 @@ fn segment((ray, interval): &(TraversalRay, Interval)) -> RaySegment {
 }
 
 /// Closest and any hits of every width and split method equal those of the binary tree.
-fn check(name: &str, mesh: &Arc<TriangleMesh>, count: usize, seed: u64) {
+fn check(name: &str, mesh: &Arc<TriangleMesh>, count: usize, least_hits: usize, seed: u64) {
     let reference = MeshBvh::build(Arc::clone(mesh), &BuildConfig::default()).expect("the default is valid").exact();
     let rays = rays_at(mesh, &mesh.object_bound(), count, seed);
     let rays: Vec<(TraversalRay, Interval)> =
         rays.iter().filter_map(|(ray, interval)| Some((TraversalRay::new(ray)?, *interval))).collect();
     let segments: Vec<RaySegment> = rays.iter().map(segment).collect();
     let answers: Vec<_> = rays.iter().map(|(ray, interval)| bits(reference.intersect(ray, *interval))).collect();
-    assert!(answers.iter().flatten().count() > count / 4, "{name}: rays that hit nothing prove nothing");
+    assert!(answers.iter().flatten().count() >= least_hits, "{name}: rays that hit nothing prove nothing");
     for method in SplitMethod::ALL {
         for leaf in [1, 30] {
             let config = BuildConfig::new(method).with_max_primitives_in_leaf(leaf);
@@ -58,7 +58,7 @@ fn real_scenes_have_the_same_hits() {
     let Some(folder) = real_scenes("wide trees of real meshes") else { return };
     for name in ["bunny", "cow", "cad-shaft", "voxel-monu0-boxes", "q3-minia", "engine-2cylinder"] {
         let scene = scene::load(&folder.join(name).with_extension("ply")).expect("a known scene");
-        check(name, &only_mesh(&scene), 4_000, 7);
+        check(name, &only_mesh(&scene), 4_000, 1_000, 7);
     }
 }
 
@@ -68,7 +68,23 @@ fn small_meshes_have_the_same_hits() {
         let mut random = crate::support::Random::new(count);
         let positions: Vec<Vec3> = (0..3 * count).map(|_| random.vector()).collect();
         let triangles = (0..count as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
-        check("random", &Arc::new(TriangleMesh::new(positions, triangles).expect("in range")), 200, count);
+        check("random", &Arc::new(TriangleMesh::new(positions, triangles).expect("in range")), 200, 50, count);
+    }
+}
+
+/// All in one plane, line or place: quantised boxes have no extent there, and lanes without a child are met like the others.
+#[test]
+fn flat_meshes_have_the_same_hits() {
+    for (count, axes) in (1..40_u64).flat_map(|count| [1, 2].map(|axes| (count, axes))) {
+        let mut random = crate::support::Random::new(count);
+        let mut positions: Vec<Vec3> = (0..3 * count).map(|_| random.vector()).collect();
+        positions.iter_mut().for_each(|p| p[count as usize % 3] = 0.25);
+        if axes == 2 {
+            // Walls too, so that rays along the first plane hit something.
+            positions.chunks_mut(6).for_each(|p| p[..3].iter_mut().for_each(|p| *p = Vec3::new(p.y, p.z, p.x)));
+        }
+        let triangles = (0..count as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+        check("flat", &Arc::new(TriangleMesh::new(positions, triangles).expect("in range")), 200, 20, count);
     }
 }
 

@@ -28,7 +28,7 @@ impl Lanes for Avx512 {
         op!(u32::from(_mm256_cmple_epi32_mask(_mm256_castps_si256(a), _mm256_castps_si256(b))))
     }
     #[inline(always)]
-    fn least_met(a: __m256, _b: __m256, met: u32) -> usize {
+    fn least_met(a: __m256, met: u32) -> usize {
         op!({
             let key = _mm256_or_si256(
                 _mm256_andnot_si256(_mm256_set1_epi32(7), _mm256_castps_si256(a)),

@@ -81,9 +81,9 @@ pub(crate) trait Lanes: Copy {
     /// The lanes where a <= b, if b is negative or a is not, and neither is NaN.
     fn le_or_negative(a: Self::F32, b: Self::F32) -> u32;
 
-    /// Of the lanes where a <= b, as [`le_or_negative`](Self::le_or_negative) or [`le`](Self::le) tells, the one with the
-    /// least a, which is not negative there, up to its three lowest bits; any lane where there is none.
-    fn least_met(a: Self::F32, b: Self::F32, met: u32) -> usize;
+    /// Of the lanes of the mask the one with the least number, none being negative, up to its three lowest bits; any lane
+    /// where there is none.
+    fn least_met(a: Self::F32, met: u32) -> usize;
 
     fn splat_u32(x: u32) -> Self::U32;
     fn eq_u32(a: Self::U32, b: Self::U32) -> u32;

@@ -127,7 +127,7 @@ impl Lanes for Portable {
         Self::le(a, b)
     }
     #[inline(always)]
-    fn least_met(a: F, _b: F, met: u32) -> usize {
+    fn least_met(a: F, met: u32) -> usize {
         let mut least = (f32::INFINITY, 0);
         for (i, a) in a.into_iter().enumerate() {
             if met >> i & 1 == 1 && a < least.0 {

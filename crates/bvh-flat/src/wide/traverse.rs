@@ -109,7 +109,7 @@ impl<L: Lanes> Way<L> {
             self.stack.push::<L>(children, slabs.entry, met)?;
             return self.stack.pop(self.t_max).map(Next::Down);
         }
-        let nearest = L::least_met(slabs.entry, slabs.exit, met) as u32;
+        let nearest = L::least_met(slabs.entry, met) as u32;
         let next = node.child(nearest);
         if others & (others - 1) == 0 {
             self.stack.push::<L>(children, slabs.entry, met & !(1 << nearest))?;
