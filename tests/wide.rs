@@ -116,3 +116,22 @@ fn interleaved_rays_have_the_same_hits() {
     }
     assert!(found > segments.len() / 4);
 }
+
+/// Triangles smaller than what f32 can tell of their distance: products of two errors count, not only of error and extent.
+#[test]
+fn small_and_far_triangles_are_hit() {
+    let corners = [[32.0, 32.015625, 31.75], [32.0, 32.0625, 32.0625], [32.0, 31.75, 32.015625]].map(Vec3::from);
+    let mesh = Arc::new(TriangleMesh::new(corners.into(), vec![[0, 1, 2]]).expect("in range"));
+    let far = 2.0_f32.powi(30);
+    let ray = TraversalRay::new(&Ray::new([far; 3], [-1.0; 3])).expect("valid");
+    let bvh = MeshBvh::build(Arc::clone(&mesh), &BuildConfig::default()).expect("the default is valid");
+    let expected = bits(bvh.exact().intersect(&ray, Interval::FULL));
+    assert!(expected.is_some());
+    for (layout, width) in
+        WideLayout::ALL.into_iter().flat_map(|l| SimdWidth::available().into_iter().map(move |w| (l, w)))
+    {
+        let wide = WideMesh::new(&bvh, layout).expect("small enough").with_simd_width(width);
+        assert_eq!(bits(wide.intersect(&ray, Interval::FULL)), expected, "{} {}", layout.name(), width.name());
+        assert!(wide.intersect_p(&ray, Interval::FULL));
+    }
+}

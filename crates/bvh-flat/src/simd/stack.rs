@@ -38,7 +38,7 @@ impl<const CAPACITY: usize> Stack<CAPACITY> {
         let entries_to = self.entries.get_mut(self.len..)?.first_chunk_mut()?;
         L::compress_u32(children, mask, children_to);
         L::compress(entries, mask, entries_to);
-        self.len += mask.count_ones() as usize;
+        self.len += (mask & 0xff).count_ones() as usize;
         Some(())
     }
 

@@ -46,8 +46,10 @@ impl TriangleRay {
         let o = [o[k[0]], o[k[1]], o[k[2]]];
         let size = o[0].abs().max(o[1].abs()).max(o[2].abs());
         let rounded = if ray.is_rounded() { 20.0 * U * size } else { 0.0 };
-        let origin_error = if size <= 2.0 * LARGEST { rounded } else { f32::INFINITY };
         let is_usual = (LEAST..=LARGEST).contains(&shear.rdz.abs());
+        // A denormal direction is rounded by more than the bounds allow for.
+        let is_bounded = size <= 2.0 * LARGEST && (is_usual || !ray.is_rounded());
+        let origin_error = if is_bounded { rounded } else { f32::INFINITY };
         let rdz = if is_usual { shear.rdz } else { f32::NAN };
         Self { k, o, sx: -shear.sx, sy: -shear.sy, rdz, origin_error }
     }
@@ -58,16 +60,14 @@ impl TriangleRay {
         self.k
     }
 
-    /// The candidates among the `count` triangles of a leaf, whose numbers lie as [`TriangleBlocks`] writes them.
-    ///
-    /// [`TriangleBlocks`]: super::TriangleBlocks
+    /// The candidates among the `count` triangles of a leaf, whose numbers lie as blocks have them.
     ///
     /// With u = 2⁻²⁴, D the largest extent of any of the triangles along an axis, and m = |A_z| + D, which bounds the depths
     /// of all three vertices. A sheared coordinate x = pₓ − Sₓ p_z is wrong by δ <= u (6m + 2R), where R bounds the sheared
     /// coordinates: one rounding in each p, three in Sₓ (of a direction that was rounded), one in the product (none where it
-    /// is fused), one in the difference; an edge function by 4Rδ + 4uR². The sheared coordinates of a triangle that the ray meets are at most 2D, so
+    /// is fused), one in the difference; an edge function by 4Rδ + 2δ² + 4uR². The sheared coordinates of a triangle that the ray meets are at most 2D, so
     ///
-    ///   E = u (64 D |A_z| + 144 D²)
+    ///   E = u (64 D |A_z| + 144 D²) + 256 u² A_z²
     ///
     /// is more than the error of its edge functions, and a triangle with edge functions below −E and above E is missed.
     /// Nothing is known yet of the other triangles. Those with |A_x|, |A_y| <= 2.25 D have R <= 4.25 D, and their errors
@@ -99,8 +99,9 @@ impl TriangleRay {
         let e2 = L::mul_sub(bx, ay, L::mul(by, ax));
         let d = leaf[0];
         let tiny = f32::MIN_POSITIVE;
-        let error =
-            L::mul_add(L::abs(az), L::splat(64.0 * U * d), L::splat(d * (144.0 * U * d + self.origin_error) + tiny));
+        let oe = self.origin_error;
+        let of_az = L::mul_add(L::abs(az), L::splat(256.0 * U * U), L::splat(64.0 * U * d));
+        let error = L::mul_add(L::abs(az), of_az, L::splat(d * (144.0 * U * d + oe) + oe * oe / 16.0 + tiny));
         let low = L::min(e0, L::min(e1, e2));
         let high = L::max(e0, L::max(e1, e2));
         let missed = L::lt(low, L::neg(error)) & L::lt(error, high);
