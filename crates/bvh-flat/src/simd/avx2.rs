@@ -6,7 +6,7 @@
 use std::arch::x86_64::*;
 use std::mem::MaybeUninit;
 
-use super::x86::{common_lanes, op};
+use super::x86::{common_lanes, keys, lane_of_least, op};
 use super::{LANES, LEAF_NUMBERS, Lanes};
 
 #[derive(Clone, Copy)]
@@ -56,15 +56,11 @@ impl Lanes for Avx2 {
     #[inline(always)]
     fn least_met(a: __m256, met: u32) -> usize {
         op!({
-            let lanes = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
-            let key = _mm256_or_si256(_mm256_andnot_si256(_mm256_set1_epi32(7), _mm256_castps_si256(a)), lanes);
+            let key = keys(a);
             let bits = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
             let is_met = _mm256_cmpeq_epi32(_mm256_and_si256(_mm256_set1_epi32(met as i32), bits), bits);
             let key = _mm256_blendv_epi8(_mm256_set1_epi32(-1), key, is_met);
-            let least = _mm_min_epu32(_mm256_castsi256_si128(key), _mm256_extracti128_si256::<1>(key));
-            let least = _mm_min_epu32(least, _mm_shuffle_epi32::<0b01_00_11_10>(least));
-            let least = _mm_min_epu32(least, _mm_shuffle_epi32::<0b10_11_00_01>(least));
-            (_mm_cvtsi128_si32(least) & 7) as usize
+            lane_of_least(key)
         })
     }
     #[inline(always)]

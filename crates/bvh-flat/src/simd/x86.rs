@@ -1,5 +1,7 @@
 //! What AVX2 and AVX-512 have in common.
 
+use std::arch::x86_64::*;
+
 /// An expression of intrinsics.
 macro_rules! op {
     ($e:expr) => {
@@ -122,3 +124,23 @@ macro_rules! common_lanes {
     };
 }
 pub(super) use common_lanes;
+
+/// The bits of numbers that are not negative, with the lane in place of the three lowest.
+#[inline(always)]
+pub(super) fn keys(a: __m256) -> __m256i {
+    op!(_mm256_or_si256(
+        _mm256_andnot_si256(_mm256_set1_epi32(7), _mm256_castps_si256(a)),
+        _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7),
+    ))
+}
+
+/// The lane that the least of the keys names.
+#[inline(always)]
+pub(super) fn lane_of_least(key: __m256i) -> usize {
+    op!({
+        let least = _mm_min_epu32(_mm256_castsi256_si128(key), _mm256_extracti128_si256::<1>(key));
+        let least = _mm_min_epu32(least, _mm_shuffle_epi32::<0b01_00_11_10>(least));
+        let least = _mm_min_epu32(least, _mm_shuffle_epi32::<0b10_11_00_01>(least));
+        (_mm_cvtsi128_si32(least) & 7) as usize
+    })
+}

@@ -162,12 +162,10 @@ impl WideNode for CompactNode {
     #[inline(always)]
     fn planes<L: Lanes>(&self, at: usize) -> L::F32 {
         let axis = at >> 4 & 3;
-        let exponent = self.exponents[axis];
         let origin = [self.origin[0], self.origin[1], self.origin[2], 0.0][axis];
-        let scale = f32::from_bits(u32::from(exponent) << 23);
         let steps = L::load_bytes(bytemuck::must_cast_ref(&self.steps), at);
         // Exactly rounded once in both forms, since the product is exact.
-        L::mul_add(steps, L::splat(scale), L::splat(origin))
+        L::mul_add(steps, L::splat(self.scale(axis)), L::splat(origin))
     }
 
     #[inline(always)]
