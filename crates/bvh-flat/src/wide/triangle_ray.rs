@@ -26,6 +26,8 @@ pub(crate) struct TriangleRay {
     /// A bound on what the distance of the origin from the exact one adds to coordinates; infinite, so that nothing is ruled
     /// out, where the origin is so far outside of the domain that products could overflow.
     origin_error: f32,
+    /// What E is at least.
+    least_error: f32,
 }
 
 /// What the filter found of the triangles of a leaf.
@@ -51,7 +53,8 @@ impl TriangleRay {
         let is_bounded = size <= 2.0 * LARGEST && (is_usual || !ray.is_rounded());
         let origin_error = if is_bounded { rounded } else { f32::INFINITY };
         let rdz = if is_usual { shear.rdz } else { f32::NAN };
-        Self { k, o, sx: -shear.sx, sy: -shear.sy, rdz, origin_error }
+        let least_error = origin_error * origin_error / 16.0 + f32::MIN_POSITIVE;
+        Self { k, o, sx: -shear.sx, sy: -shear.sy, rdz, origin_error, least_error }
     }
 
     /// The axes in the order of the shear.
@@ -67,7 +70,7 @@ impl TriangleRay {
     /// coordinates: one rounding in each p, three in Sₓ (of a direction that was rounded), one in the product (none where it
     /// is fused), one in the difference; an edge function by 4Rδ + 2δ² + 4uR². The sheared coordinates of a triangle that the ray meets are at most 2D, so
     ///
-    ///   E = u (64 D |A_z| + 144 D²) + 256 u² A_z²
+    ///   E = (64u D + 256u² |A_z|) (|A_z| + 2.25 D) >= u (64 D |A_z| + 144 D²) + 256 u² A_z²
     ///
     /// is more than the error of its edge functions, and a triangle with edge functions below −E and above E is missed.
     ///
@@ -101,11 +104,10 @@ impl TriangleRay {
         let e0 = L::mul_sub(cx, by, L::mul(cy, bx));
         let e1 = L::mul_sub(ax, cy, L::mul(ay, cx));
         let e2 = L::mul_sub(bx, ay, L::mul(by, ax));
-        let d = leaf[0];
-        let tiny = f32::MIN_POSITIVE;
-        let oe = self.origin_error;
-        let of_az = L::mul_add(L::abs(az), L::splat(256.0 * U * U), L::splat(64.0 * U * d));
-        let error = L::mul_add(L::abs(az), of_az, L::splat(d * (144.0 * U * d + oe) + oe * oe / 16.0 + tiny));
+        let (d, depth) = (L::splat(leaf[0]), L::abs(az));
+        let least = L::mul_add(d, L::splat(self.origin_error), L::splat(self.least_error));
+        let of_size = L::mul_add(depth, L::splat(256.0 * U * U), L::mul(d, L::splat(64.0 * U)));
+        let error = L::mul_add(of_size, L::mul_add(d, L::splat(2.25), depth), least);
         let low = L::min(e0, L::min(e1, e2));
         let high = L::max(e0, L::max(e1, e2));
         let missed = L::lt(low, L::neg(error)) & L::lt(error, high);
@@ -114,9 +116,9 @@ impl TriangleRay {
             return None;
         }
         // The depths of the vertices bound t* of what is hit, whatever its edge functions are.
-        let rdz = L::splat(self.rdz);
-        let extent = L::splat(d);
-        let of_depth = L::mul_add(L::add(L::abs(az), extent), L::splat(20.0 * U), L::splat(self.origin_error));
+        let rdz = L::splat(-self.rdz);
+        let size = L::add(depth, d);
+        let of_depth = L::mul_add(size, L::splat(20.0 * U), L::splat(self.origin_error));
         let of_depth = L::mul(of_depth, L::abs(rdz));
         let a = L::mul(L::min(az, L::min(bz, cz)), rdz);
         let b = L::mul(L::max(az, L::max(bz, cz)), rdz);
@@ -130,14 +132,14 @@ impl TriangleRay {
         }
         let r = L::max(largest::<L>(ax, ay), L::max(largest::<L>(bx, by), largest::<L>(cx, cy)));
         let of_r = L::mul_add(r, L::splat(3.0 * U), L::splat(self.origin_error / 8.0));
-        let delta = L::mul_add(L::add(L::abs(az), extent), L::splat(8.0 * U), of_r);
-        let of_delta = L::mul_add(L::mul(delta, delta), L::splat(2.0), L::splat(tiny));
+        let delta = L::mul_add(size, L::splat(8.0 * U), of_r);
+        let of_delta = L::mul_add(L::mul(delta, delta), L::splat(2.0), L::splat(f32::MIN_POSITIVE));
         let error = L::mul_add(r, L::mul_add(delta, L::splat(4.0), L::mul(r, L::splat(5.0 * U))), of_delta);
         let sum = L::add(e0, L::add(e1, e2));
-        let size = L::abs(sum);
+        let area = L::abs(sum);
         let sure = (L::lt(error, low) | L::lt(high, L::neg(error)))
-            & L::lt(L::splat(LEAST), size)
-            & L::lt(size, L::splat(LARGEST));
+            & L::lt(L::splat(LEAST), area)
+            & L::lt(area, L::splat(LARGEST));
         let r = L::div(L::splat(1.0), sum);
         let t = L::mul(L::mul(L::mul_add(e0, az, L::mul_add(e1, bz, L::mul(e2, cz))), r), rdz);
         let of_weights = L::mul(L::mul(L::abs(r), error), L::mul(spread, L::splat(4.0)));
@@ -148,12 +150,12 @@ impl TriangleRay {
         Some(Candidates { maybe, sure: sure & maybe, low: L::to_array(low), high: L::to_array(high) })
     }
 
-    /// The sheared coordinates of a vertex of each triangle.
+    /// The sheared coordinates of the ray's origin, seen from a vertex of each triangle.
     #[inline(always)]
     fn shear<L: Lanes>(&self, x: L::F32, y: L::F32, z: L::F32) -> (L::F32, L::F32, L::F32) {
-        let z = L::sub(z, L::splat(self.o[2]));
-        let x = L::sub(x, L::splat(self.o[0]));
-        let y = L::sub(y, L::splat(self.o[1]));
+        let z = L::sub(L::splat(self.o[2]), z);
+        let x = L::sub(L::splat(self.o[0]), x);
+        let y = L::sub(L::splat(self.o[1]), y);
         (L::mul_add(L::splat(self.sx), z, x), L::mul_add(L::splat(self.sy), z, y), z)
     }
 }
