@@ -16,7 +16,7 @@ const STACK: usize = 7 * (MAX_DEPTH + 13) + 16;
 
 /// What is asked of the primitives on a ray's way.
 pub(crate) trait Query {
-    /// Whether near children are to be visited first.
+    /// Whether all children are to be visited in their order, and not only the nearest first.
     const ORDERED: bool;
 
     /// Takes a leaf that `ray` comes to: `Continue(t_max)` to be shown others up to there, `Break` to stop.
@@ -73,6 +73,10 @@ impl<L: Lanes> Way<L> {
     /// Rejected: the order of the octant for all, with which kitchen's primary rays visit 8.7 nodes and test 8.8 triangles
     /// instead of 8.3 and 6.8; and the others in no order, with which sponza's diffuse rays visit 12.3 and test 11.1 instead of
     /// 11.8 and 10.1.
+    ///
+    /// Any hit is found sooner by way of the nearest too (8 % less time for bunny's and the hairball's shadow rays, 4 % for
+    /// black-forest's, 4 % more for terrain-rainier's), but the order of the others does not pay. Rejected: first the child of
+    /// whose box the ray has most before it, with which all scenes take longer.
     #[inline(always)]
     pub(crate) fn step<const REGULAR: bool, N: WideNode, Q: Query>(
         &mut self,
@@ -105,13 +109,9 @@ impl<L: Lanes> Way<L> {
         for lane in LanesOf(met) {
             arena.prefetch(node.child(lane as u32).place());
         }
-        if !Q::ORDERED {
-            self.stack.push::<L>(children, slabs.entry, met)?;
-            return self.stack.pop(self.t_max).map(Next::Down);
-        }
         let nearest = L::least_met(slabs.entry, met) as u32;
         let next = node.child(nearest);
-        if others & (others - 1) == 0 {
+        if !Q::ORDERED || others & (others - 1) == 0 {
             self.stack.push::<L>(children, slabs.entry, met & !(1 << nearest))?;
         } else {
             let orders = L::load_u32(node.orders());
