@@ -9,7 +9,7 @@ use super::arena::Child;
 use super::box_ray::is_regular;
 use super::collapse::WideTree;
 use super::queries::{Answered, Asked, answer};
-use super::traverse::{Next, Way};
+use super::traverse::{Next, Way, WayStack};
 use super::triangles::{Layout, Triangles};
 use crate::RaySegment;
 use crate::simd::{Kernel, Lanes};
@@ -100,6 +100,7 @@ struct Flight<L: Lanes, Q> {
     index: usize,
     at: Child,
     way: Way<L>,
+    stack: WayStack,
 }
 
 #[inline(always)]
@@ -128,7 +129,7 @@ fn interleaved<'a, L: Lanes, Q: Answered<'a>>(
         && let Some((index, ray, interval)) = next_regular::<L, Q>(triangles, rays, answers, &mut next_ray)
     {
         let (query, way) = (Q::new(Asked::new(triangles, &ray, interval)), Way::new::<true>(&ray, interval));
-        flights.push(Flight { ray, query, index, at: root, way });
+        flights.push(Flight { ray, query, index, at: root, way, stack: WayStack::new() });
     }
     let mut turn = 0;
     while let Some(flight) = flights.get_mut(turn) {
@@ -137,6 +138,7 @@ fn interleaved<'a, L: Lanes, Q: Answered<'a>>(
             &flight.ray,
             flight.at,
             &mut flight.query,
+            &mut flight.stack,
         ) {
             Some(Next::Back(child)) => {
                 flight.at = child;
@@ -154,7 +156,8 @@ fn interleaved<'a, L: Lanes, Q: Answered<'a>>(
                 match next_regular::<L, Q>(triangles, rays, answers, &mut next_ray) {
                     Some((index, ray, interval)) => {
                         flight.query = Q::new(Asked::new(triangles, &ray, interval));
-                        flight.way.begin::<true>(&ray, interval);
+                        flight.way = Way::new::<true>(&ray, interval);
+                        flight.stack.clear();
                         (flight.ray, flight.index, flight.at) = (ray, index, root);
                     }
                     None => {

@@ -49,22 +49,16 @@ pub(crate) struct Way<L: Lanes> {
     lanes: BoxLanes<L>,
     shift: u32,
     t_max: f32,
-    stack: Stack<STACK>,
 }
+
+/// What a ray still has to visit. Not part of a [`Way`], all of which would then be kept in memory.
+pub(crate) type WayStack = Stack<STACK>;
 
 impl<L: Lanes> Way<L> {
     #[inline(always)]
     pub(crate) fn new<const REGULAR: bool>(ray: &TraversalRay, interval: Interval) -> Self {
         let lanes = BoxLanes::<L>::new::<REGULAR>(ray, interval.t_min(), interval.t_max());
-        Self { shift: 3 * lanes.octant(), lanes, t_max: interval.t_max(), stack: Stack::new() }
-    }
-
-    /// The same for another ray, in the same memory.
-    #[inline(always)]
-    pub(crate) fn begin<const REGULAR: bool>(&mut self, ray: &TraversalRay, interval: Interval) {
-        self.lanes = BoxLanes::<L>::new::<REGULAR>(ray, interval.t_min(), interval.t_max());
-        (self.shift, self.t_max) = (3 * self.lanes.octant(), interval.t_max());
-        self.stack.clear();
+        Self { shift: 3 * lanes.octant(), lanes, t_max: interval.t_max() }
     }
 
     /// Visits a node or a leaf: where the ray comes to next, or `None` at the end of its way.
@@ -84,6 +78,7 @@ impl<L: Lanes> Way<L> {
         ray: &TraversalRay,
         at: Child,
         query: &mut Q,
+        stack: &mut WayStack,
     ) -> Option<Next> {
         if at.is_leaf() {
             let ControlFlow::Continue(bound) = query.leaf::<L>(ray, at) else { return None };
@@ -91,7 +86,7 @@ impl<L: Lanes> Way<L> {
                 self.t_max = bound;
                 self.lanes.set_t_max(bound);
             }
-            return self.stack.pop(self.t_max).map(Next::Back);
+            return stack.pop(self.t_max).map(Next::Back);
         }
         query.node();
         let node = N::read(arena.lines(at.line())?)?;
@@ -102,7 +97,7 @@ impl<L: Lanes> Way<L> {
         let others = met & met.wrapping_sub(1);
         if others == 0 {
             return match met {
-                0 => self.stack.pop(self.t_max).map(Next::Back),
+                0 => stack.pop(self.t_max).map(Next::Back),
                 _ => Some(Next::Down(node.child(met.trailing_zeros()))),
             };
         }
@@ -112,7 +107,7 @@ impl<L: Lanes> Way<L> {
         let nearest = L::least_met(slabs.entry, met) as u32;
         let next = node.child(nearest);
         if !Q::ORDERED || others & (others - 1) == 0 {
-            self.stack.push::<L>(children, slabs.entry, met & !(1 << nearest))?;
+            stack.push::<L>(children, slabs.entry, met & !(1 << nearest))?;
         } else {
             let orders = L::load_u32(node.orders());
             let entry = L::permute(slabs.entry, orders, self.shift);
@@ -120,7 +115,7 @@ impl<L: Lanes> Way<L> {
             let children = L::permute_u32(children, orders, self.shift);
             let met = boxes_met::<L, REGULAR, N>(&Slabs { entry, exit }, children)
                 & !L::eq_u32(children, L::splat_u32(next.0));
-            self.stack.push::<L>(children, entry, met)?;
+            stack.push::<L>(children, entry, met)?;
         }
         Some(Next::Down(next))
     }
@@ -159,8 +154,9 @@ fn traverse_as<L: Lanes, const REGULAR: bool, N: WideNode>(
     query: &mut impl Query,
 ) {
     let mut way = Way::<L>::new::<REGULAR>(ray, interval);
+    let mut stack = WayStack::new();
     let mut next = Some(root);
     while let Some(at) = next {
-        next = way.step::<REGULAR, N, _>(arena, ray, at, query).map(Next::child);
+        next = way.step::<REGULAR, N, _>(arena, ray, at, query, &mut stack).map(Next::child);
     }
 }
