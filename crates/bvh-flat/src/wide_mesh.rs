@@ -170,7 +170,8 @@ impl WideMesh {
 
     #[inline(always)]
     fn one<'a, Q: Answered<'a>>(&'a self, ray: &'a TraversalRay, interval: Interval) -> Q::Answer {
-        self.width.run(One::<Q> { triangles: &self.triangles, ray, interval, query: PhantomData })
+        let (t_min, t_max) = (interval.t_min(), interval.t_max());
+        self.width.run(One::<Q> { triangles: &self.triangles, ray, t_min, t_max, query: PhantomData })
     }
 }
 

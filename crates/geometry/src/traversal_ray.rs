@@ -4,13 +4,6 @@ use glam::{DVec3, DVec4, Vec3, Vec4};
 
 use crate::{Bounds3, Interval, Ray};
 
-/// How far the reciprocals of the box test are widened: 6 ulp, 6 · 2⁻²³ relative.
-///
-/// The box test has at most 4 roundings a plane (subtraction, reciprocal, widening, product): 4 u with u = 2⁻²⁴. A
-/// sheared vertex of the triangle test is displaced sideways by at most about 5 u of its distance. 9 u < 12 u = 6 ulp.
-/// The padding sits in the reciprocals, so it costs nothing per node (Ize 2013, *Robust BVH Ray Traversal*, JCGT 2(2)).
-const PADDING: f32 = 6.0 * f32::EPSILON;
-
 /// A valid [`Ray`] prepared for traversal. Its existence proves that origin, direction and time are finite and that the
 /// direction is not zero: whoever has one need not ask again, and an invalid ray visits no node.
 ///
@@ -52,6 +45,13 @@ pub struct Shear {
 }
 
 impl TraversalRay {
+    /// How far the reciprocals of the box test are widened: 6 ulp, 6 · 2⁻²³ relative.
+    ///
+    /// The box test has at most 4 roundings a plane (subtraction, reciprocal, widening, product): 4 u with u = 2⁻²⁴. A
+    /// sheared vertex of the triangle test is displaced sideways by at most about 5 u of its distance. 9 u < 12 u = 6 ulp.
+    /// The padding sits in the reciprocals, so it costs nothing per node (Ize 2013, *Robust BVH Ray Traversal*, JCGT 2(2)).
+    pub const PADDING: f32 = 6.0 * f32::EPSILON;
+
     /// Prepares a ray; `None` where a component of origin or direction or the time is not finite, or the direction is
     /// zero.
     #[inline]
@@ -74,8 +74,8 @@ impl TraversalRay {
         let reciprocal = direction.recip();
         // The near reciprocal of a zero (or denormal) component must stay finite: it then never over-estimates the
         // entry, where an infinite one would turn an origin in the plane into NaN.
-        let near = (reciprocal * (1.0 - PADDING)).min(Vec4::splat(f32::MAX)).max(Vec4::splat(-f32::MAX));
-        let reciprocals = [near, reciprocal * (1.0 + PADDING)];
+        let near = (reciprocal * (1.0 - Self::PADDING)).min(Vec4::splat(f32::MAX)).max(Vec4::splat(-f32::MAX));
+        let reciprocals = [near, reciprocal * (1.0 + Self::PADDING)];
         Self { origin, direction, reciprocals, shear: Shear::new(direction), origin64, direction64, is_rounded }
     }
 

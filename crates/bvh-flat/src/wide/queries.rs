@@ -66,7 +66,9 @@ pub(crate) trait Answered<'a>: Query {
 pub(crate) struct One<'a, Q> {
     pub(crate) triangles: &'a Triangles,
     pub(crate) ray: &'a TraversalRay,
-    pub(crate) interval: Interval,
+    /// The ends of its interval, one by one: see [`TriangleRay::new`].
+    pub(crate) t_min: f32,
+    pub(crate) t_max: f32,
     pub(crate) query: PhantomData<Q>,
 }
 
@@ -75,7 +77,7 @@ impl<'a, Q: Answered<'a>> Kernel for One<'a, Q> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> Q::Answer {
-        answer::<L, Q>(self.triangles, self.ray, self.interval)
+        answer::<L, Q>(self.triangles, self.ray, Interval::new(self.t_min, self.t_max))
     }
 }
 

@@ -44,7 +44,11 @@ impl TriangleRay {
     #[inline(always)]
     pub(crate) fn new(ray: &TraversalRay) -> Self {
         let (shear, o) = (ray.shear(), ray.origin_and_time().to_array());
-        let k = [shear.kx & 3, shear.ky & 3, shear.kz & 3];
+        // From one of the axes: all three would be read as one vector, right after they were written one by one, and such a
+        // load waits until they have left the store queue.
+        let kz = shear.kz & 3;
+        let kx = if kz == 2 { 0 } else { kz + 1 };
+        let k = [kx, 3_usize.wrapping_sub(kx + kz) & 3, kz];
         let o = [o[k[0]], o[k[1]], o[k[2]]];
         let size = o[0].abs().max(o[1].abs()).max(o[2].abs());
         let rounded = if ray.is_rounded() { 20.0 * U * size } else { 0.0 };
