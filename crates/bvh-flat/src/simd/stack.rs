@@ -8,6 +8,7 @@ use crate::wide::Child;
 /// Subtrees to come, each with the ray's entry, in memory that is not cleared for every ray.
 ///
 /// What was written is below `len`; what is above is never read.
+#[repr(align(64))]
 pub(crate) struct Stack<const CAPACITY: usize> {
     children: [MaybeUninit<u32>; CAPACITY],
     entries: [MaybeUninit<f32>; CAPACITY],
