@@ -20,7 +20,7 @@ pub fn mesh_of(triangles: impl IntoIterator<Item = [Vec3; 3]>) -> TriangleMesh {
 /// One mesh in every form that answers.
 pub struct Answers {
     pub exact: Vec<ExactMesh>,
-    /// Of each layout and width.
+    /// One of each layout, on the widest and on the portable lanes.
     pub wide: Vec<WideMesh>,
     /// The default tier, of which the same is not expected.
     pub default: MeshBvh,
@@ -73,9 +73,10 @@ impl Answers {
             MeshBvh::build(Arc::clone(&mesh), &config).expect("the configuration is valid")
         };
         let trees: Vec<MeshBvh> = SplitMethod::ALL.into_iter().enumerate().map(build).collect();
-        let layouts = WideLayout::ALL.map(|layout| WideMesh::new(&trees[1], layout).expect("small enough"));
-        let widths = |wide: &WideMesh| SimdWidth::available().into_iter().map(|w| wide.with_simd_width(w)).collect();
-        let wide = layouts.iter().flat_map::<Vec<WideMesh>, _>(widths).collect();
+        let wide = |(layout, width): (WideLayout, SimdWidth)| {
+            WideMesh::new(&trees[1], layout).expect("small enough").with_simd_width(width)
+        };
+        let wide = WideLayout::ALL.into_iter().zip([SimdWidth::widest(), SimdWidth::PORTABLE]).map(wide).collect();
         Self { exact: trees.iter().map(MeshBvh::exact).collect(), wide, default: trees[0].clone(), oracle, place }
     }
 

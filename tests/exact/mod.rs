@@ -183,7 +183,7 @@ fn instances() {
     let mut moved = 0;
     for (i, (linear, translation)) in maps.into_iter().enumerate() {
         let answers = Answers::instance(star(2, 0.5, 37), DAffine3 { matrix3: linear, translation });
-        let (rays, rounded) = through_the_map(&answers, i as u64, 1.0, 1.0);
+        let (rays, rounded) = through_the_map(&answers, 250, i as u64, [1.0; 2]);
         moved += rounded;
         all = all.and(check_all(&answers, &rays, true));
     }
@@ -195,7 +195,7 @@ fn instances() {
 #[test]
 fn denormal_directions_in_instances() {
     let (mut all, mut rounded) = (Findings::default(), 0);
-    for (i, exponent) in (-149..=-125).enumerate() {
+    for (i, exponent) in (-149..=-125).step_by(2).enumerate() {
         // The mesh is so small in its own space that t is in the range of f32, and of the size 1 in the world.
         let (small, large) = (2.0_f64.powi(-24), 2.0_f64.powi(24));
         let sphere = star(2, 0.5, 43);
@@ -203,21 +203,21 @@ fn denormal_directions_in_instances() {
         let mesh = TriangleMesh::new(positions, sphere.triangles().to_vec()).expect("indices are in range");
         let answers = Answers::instance(mesh, DAffine3::from_scale(DVec3::splat(large)));
         // The direction in the world is a normal number, and 2²⁴ times that in the mesh's space.
-        let (rays, off) = through_the_map(&answers, i as u64, small as f32, 2.0_f64.powi(exponent) * large);
+        let (rays, off) = through_the_map(&answers, 30, i as u64, [small, 2.0_f64.powi(exponent) * large]);
         rounded += off;
         all = all.and(check_all(&answers, &rays, true));
     }
-    assert!(all.hits > 5_000 && rounded > 5_000, "{rounded} {all:?}");
+    assert!(all.hits > 3_000 && rounded > 1_000, "{rounded} {all:?}");
 }
 
-/// Rays of the world at the mesh of an instance, that come from within three times `size` in its space; those that f64 holds
-/// exactly there, which is what the oracle knows, and how many of them f32 does not hold. Their directions are scaled by
-/// `speed`.
-fn through_the_map(answers: &Answers, seed: u64, size: f32, speed: f64) -> (Vec<Ray>, usize) {
+/// `count` rays of the world of each kind at the mesh of an instance, that come from within three times `size` in its space;
+/// those that f64 holds exactly there, which is what the oracle knows, and how many of them f32 does not hold. Their
+/// directions are scaled by `speed`.
+fn through_the_map(answers: &Answers, count: usize, seed: u64, [size, speed]: [f64; 2]) -> (Vec<Ray>, usize) {
     let place = answers.place;
     assert_eq!(place.matrix().matrix3 * place.inverse_matrix().matrix3, DMat3::IDENTITY);
     let mut rounded = 0;
-    let rays = aimed(&answers.exact[0], 250, seed, |r, _| 3.0 * size * r.vector())
+    let rays = aimed(&answers.exact[0], count, seed, |r, _| 3.0 * size as f32 * r.vector())
         .iter()
         .map(|local| {
             // Aimed in world space, where vertices are rounded: the ray passes them closely.

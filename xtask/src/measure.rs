@@ -71,7 +71,7 @@ pub fn timed_on_processor<T>(f: impl FnOnce() -> T) -> (Duration, T) {
     let begun = on_processor();
     let (time, value) = timed(f);
     let used = begun.zip(on_processor()).map(|(begun, ended)| ended.saturating_sub(begun));
-    (used.unwrap_or(time), value)
+    (used.filter(|used| !used.is_zero()).unwrap_or(time), value)
 }
 
 /// How long this thread has had the processor.
