@@ -5,7 +5,7 @@ use std::sync::Arc;
 use bvh_flat::geometry::exact::{TierCounts, intersect_triangle_exact};
 use bvh_flat::geometry::glam::{DAffine3, Vec3};
 use bvh_flat::geometry::{Hit, Interval, Ray, Shape, Transform, TraversalRay, TriangleMesh, Visit};
-use bvh_flat::{BuildConfig, ExactMesh, MeshBvh, SplitMethod};
+use bvh_flat::{BuildConfig, ExactMesh, MeshBvh, SimdWidth, SplitMethod, WideLayout, WideMesh};
 use oracle::{ExactTransform, MeshOracle, Oracle, Tally};
 use rayon::prelude::*;
 
@@ -20,6 +20,8 @@ pub fn mesh_of(triangles: impl IntoIterator<Item = [Vec3; 3]>) -> TriangleMesh {
 /// One mesh in every form that answers.
 pub struct Answers {
     pub exact: Vec<ExactMesh>,
+    /// One of each layout, on the widest and on the portable lanes.
+    pub wide: Vec<WideMesh>,
     /// The default tier, of which the same is not expected.
     pub default: MeshBvh,
     pub oracle: MeshOracle,
@@ -71,7 +73,16 @@ impl Answers {
             MeshBvh::build(Arc::clone(&mesh), &config).expect("the configuration is valid")
         };
         let trees: Vec<MeshBvh> = SplitMethod::ALL.into_iter().enumerate().map(build).collect();
-        Self { exact: trees.iter().map(MeshBvh::exact).collect(), default: trees[0].clone(), oracle, place }
+        let wide = |(layout, width): (WideLayout, SimdWidth)| {
+            WideMesh::new(&trees[1], layout).expect("small enough").with_simd_width(width)
+        };
+        let wide = WideLayout::ALL.into_iter().zip([SimdWidth::widest(), SimdWidth::PORTABLE]).map(wide).collect();
+        Self { exact: trees.iter().map(MeshBvh::exact).collect(), wide, default: trees[0].clone(), oracle, place }
+    }
+
+    fn all(&self) -> impl Iterator<Item = &dyn Shape> {
+        let wide = self.wide.iter().map(|wide| wide as &dyn Shape);
+        self.exact.iter().map(|exact| exact as &dyn Shape).chain(wide)
     }
 
     /// Every query about one ray and interval, in every tree, against the oracle.
@@ -92,7 +103,7 @@ impl Answers {
         let (reference, tiers) = self.exact[0].intersect_counted(&local, interval);
         findings.tiers = tiers;
         assert_eq!(reference.map(|hit| (hit.primitive, hit.t.to_bits())), closest, "{}", context());
-        for exact in &self.exact {
+        for exact in self.all() {
             let hit = exact.intersect(&local, interval);
             let bits = |hit: Hit| (hit.primitive, [hit.t, hit.u, hit.v].map(f32::to_bits));
             assert_eq!(hit.map(bits), reference.map(bits), "{}", context());

@@ -182,31 +182,58 @@ fn instances() {
     let mut all = Findings::default();
     let mut moved = 0;
     for (i, (linear, translation)) in maps.into_iter().enumerate() {
-        let mesh = star(2, 0.5, 37);
-        let map = DAffine3 { matrix3: linear, translation };
-        let answers = Answers::instance(mesh, map);
-        let place = answers.place;
-        assert_eq!(linear * place.inverse_matrix().matrix3, DMat3::IDENTITY);
-        let rays: Vec<Ray> = aimed(&answers.exact[0], 250, i as u64, |r, _| 3.0 * r.vector())
-            .iter()
-            .map(|local| {
-                // Aimed in world space, where vertices are rounded: the ray passes them closely.
-                let (from, to) = (local.origin.as_dvec3(), (local.origin + local.direction).as_dvec3());
-                let origin = place.point(from).as_vec3();
-                Ray::new(origin, (place.point(to) - origin.as_dvec3()).as_vec3())
-            })
-            .filter(|ray| {
-                // Only where f64 holds the transformed ray exactly, which is what the oracle knows.
-                let Some(world) = TraversalRay::new(ray) else { return false };
-                let Some(local) = place.ray_to_object(&world) else { return false };
-                moved += usize::from(local.origin64() != local.ray().origin.as_dvec3());
-                place.point(local.origin64()) == ray.origin.as_dvec3()
-                    && place.vector(local.direction64()) == ray.direction.as_dvec3()
-            })
-            .collect();
+        let answers = Answers::instance(star(2, 0.5, 37), DAffine3 { matrix3: linear, translation });
+        let (rays, rounded) = through_the_map(&answers, 250, i as u64, [1.0; 2]);
+        moved += rounded;
         all = all.and(check_all(&answers, &rays, true));
     }
     assert!(all.hits > 2_000 && moved > 1_000, "{moved} {all:?}");
+}
+
+/// Instances in whose space the direction is of the order of the least number of f32, or has components that are: what f32
+/// has of it is up to half a unit off, and the largest component of the f64 direction is what counts.
+#[test]
+fn denormal_directions_in_instances() {
+    let (mut all, mut rounded) = (Findings::default(), 0);
+    for (i, exponent) in (-149..=-125).step_by(2).enumerate() {
+        // The mesh is so small in its own space that t is in the range of f32, and of the size 1 in the world.
+        let (small, large) = (2.0_f64.powi(-24), 2.0_f64.powi(24));
+        let sphere = star(2, 0.5, 43);
+        let positions = sphere.positions().iter().map(|p| small as f32 * p).collect();
+        let mesh = TriangleMesh::new(positions, sphere.triangles().to_vec()).expect("indices are in range");
+        let answers = Answers::instance(mesh, DAffine3::from_scale(DVec3::splat(large)));
+        // The direction in the world is a normal number, and 2²⁴ times that in the mesh's space.
+        let (rays, off) = through_the_map(&answers, 30, i as u64, [small, 2.0_f64.powi(exponent) * large]);
+        rounded += off;
+        all = all.and(check_all(&answers, &rays, true));
+    }
+    assert!(all.hits > 3_000 && rounded > 1_000, "{rounded} {all:?}");
+}
+
+/// `count` rays of the world of each kind at the mesh of an instance, that come from within three times `size` in its space;
+/// those that f64 holds exactly there, which is what the oracle knows, and how many of them f32 does not hold. Their
+/// directions are scaled by `speed`.
+fn through_the_map(answers: &Answers, count: usize, seed: u64, [size, speed]: [f64; 2]) -> (Vec<Ray>, usize) {
+    let place = answers.place;
+    assert_eq!(place.matrix().matrix3 * place.inverse_matrix().matrix3, DMat3::IDENTITY);
+    let mut rounded = 0;
+    let rays = aimed(&answers.exact[0], count, seed, |r, _| 3.0 * size as f32 * r.vector())
+        .iter()
+        .map(|local| {
+            // Aimed in world space, where vertices are rounded: the ray passes them closely.
+            let (from, to) = (local.origin.as_dvec3(), (local.origin + local.direction).as_dvec3());
+            let origin = place.point(from).as_vec3();
+            Ray::new(origin, (speed * (place.point(to) - origin.as_dvec3())).as_vec3())
+        })
+        .filter(|ray| {
+            let Some(world) = TraversalRay::new(ray) else { return false };
+            let Some(local) = place.ray_to_object(&world) else { return false };
+            rounded += usize::from(local.is_rounded());
+            place.point(local.origin64()) == ray.origin.as_dvec3()
+                && place.vector(local.direction64()) == ray.direction.as_dvec3()
+        })
+        .collect();
+    (rays, rounded)
 }
 
 /// What is not a number, infinite or too far away is never hit, and moves no index.

@@ -70,7 +70,12 @@ fn verify_catalogue(arguments: &Arguments) -> Result<()> {
         let run = Run { effort, seed: arguments.seed, subject: &library, progress: &progress };
         let (time, outcome) = timed(|| (case.run)(&run));
         bar.set_position(1000 * (done + 1));
-        rows.add_row(row(case, time, &outcome));
+        let row = row(case, time, &outcome);
+        if arguments.full {
+            // Hours may pass until the table is printed.
+            bar.suspend(|| eprintln!("{}  {} trials, {} failures, {} s  {}", row[0], row[2], row[3], row[4], row[5]));
+        }
+        rows.add_row(row);
         if !outcome.passed() {
             failed.push((case, outcome));
         }

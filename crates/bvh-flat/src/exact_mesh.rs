@@ -56,6 +56,11 @@ impl ExactMesh {
         self.bvh.bvh()
     }
 
+    /// What is kept beside the mesh itself, in bytes.
+    pub fn memory(&self) -> usize {
+        self.bvh().memory() + size_of_val(self.ordered_vertices.as_slice())
+    }
+
     /// The closest hit, as [`intersect`](Shape::intersect), and which tiers decided.
     pub fn intersect_counted(&self, ray: &TraversalRay, interval: Interval) -> (Option<Hit>, TierCounts) {
         let mut counts = TierCounts::default();

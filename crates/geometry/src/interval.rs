@@ -17,9 +17,11 @@ impl Interval {
     /// No `t` at all.
     pub const EMPTY: Self = Self { t_min: 0.0, t_max: 0.0 };
 
-    /// `t_min < t < t_max`; [`EMPTY`](Self::EMPTY) where `t_min` is negative, an end is NaN, or `t_min >= t_max`.
+    /// `t_min < t < t_max`; [`EMPTY`](Self::EMPTY) where `t_min` is negative, an end is NaN, or `t_min >= t_max`. A `t_min`
+    /// of −0.0 is 0.0.
     pub fn new(t_min: f32, t_max: f32) -> Self {
-        if t_min >= 0.0 && t_min < t_max { Self { t_min, t_max } } else { Self::EMPTY }
+        // The sum with 0 makes −0 a 0, so that whoever looks at bits finds no sign.
+        if t_min >= 0.0 && t_min < t_max { Self { t_min: t_min + 0.0, t_max } } else { Self::EMPTY }
     }
 
     /// `0 < t < t_max`.
@@ -71,6 +73,8 @@ mod tests {
             assert!(Interval::new(a, b).is_empty(), "{a} {b}");
         }
         assert!(Interval::new(-0.0, 1.0).contains(0.5));
+        assert_eq!(Interval::new(-0.0, 1.0).t_min().to_bits(), 0);
+        assert_eq!(Interval::FULL.with_t_max(2.0).t_min().to_bits(), 0);
     }
 
     #[test]

@@ -28,6 +28,10 @@ pub struct TraversalRay {
 /// Woop, Benthin and Wald 2013, *Watertight Ray/Triangle Intersection*, JCGT 2(1): the axes kx, ky, kz with kz that of the
 /// largest direction component, and the shear (Sx, Sy) that makes the ray the kz axis. kx and ky are not exchanged for a
 /// negative direction, since both windings are hit.
+///
+/// The largest component is that of the f64 direction, and of the f32 one too, as rounding keeps the order. The other way
+/// round would not do: of a direction near 2⁻¹⁴⁹ f32 may hold one number for components of which one is three times the
+/// other.
 #[derive(Clone, Copy, Debug)]
 pub struct Shear {
     /// The axis that x is taken from.
@@ -57,7 +61,8 @@ impl TraversalRay {
     #[inline]
     pub fn new(ray: &Ray) -> Option<Self> {
         let (o, d) = (ray.origin.extend(ray.time), ray.direction.extend(1.0));
-        is_valid(o, d).then(|| Self::prepare(o, d, o.as_dvec4(), d.as_dvec4(), false))
+        let shear = Shear::new(d, largest_component(d.abs().to_array()));
+        is_valid(o, d).then(|| Self::prepare([o, d], [o.as_dvec4(), d.as_dvec4()], shear, false))
     }
 
     /// Prepares a ray that is known in f64, rounding it to f32 once; `None` as for [`new`](Self::new), with the rounded
@@ -66,17 +71,23 @@ impl TraversalRay {
         let (o64, d64) = (origin64.extend(time.into()), direction64.extend(1.0));
         let (o, d) = (o64.as_vec4(), d64.as_vec4());
         let is_rounded = o64 != o.as_dvec4() || d64 != d.as_dvec4();
-        is_valid(o, d).then(|| Self::prepare(o, d, o64, d64, is_rounded))
+        let shear = Shear::new(d, largest_component(d64.abs().to_array()));
+        is_valid(o, d).then(|| Self::prepare([o, d], [o64, d64], shear, is_rounded))
     }
 
     #[inline]
-    fn prepare(origin: Vec4, direction: Vec4, origin64: DVec4, direction64: DVec4, is_rounded: bool) -> Self {
+    fn prepare(
+        [origin, direction]: [Vec4; 2],
+        [origin64, direction64]: [DVec4; 2],
+        shear: Shear,
+        is_rounded: bool,
+    ) -> Self {
         let reciprocal = direction.recip();
         // The near reciprocal of a zero (or denormal) component must stay finite: it then never over-estimates the
         // entry, where an infinite one would turn an origin in the plane into NaN.
         let near = (reciprocal * (1.0 - Self::PADDING)).min(Vec4::splat(f32::MAX)).max(Vec4::splat(-f32::MAX));
         let reciprocals = [near, reciprocal * (1.0 + Self::PADDING)];
-        Self { origin, direction, reciprocals, shear: Shear::new(direction), origin64, direction64, is_rounded }
+        Self { origin, direction, reciprocals, shear, origin64, direction64, is_rounded }
     }
 
     /// The ray in f32.
@@ -188,13 +199,17 @@ fn is_valid(origin: Vec4, direction: Vec4) -> bool {
     origin.is_finite() && direction.is_finite() && direction != Vec4::W
 }
 
+/// The axis of the largest of the first three numbers. Without branches, which random directions would make the processor
+/// guess wrong.
+#[inline]
+fn largest_component<T: PartialOrd>([x, y, z, _]: [T; 4]) -> usize {
+    let of_xy = if y > x { (y, 1) } else { (x, 0) };
+    if z > of_xy.0 { 2 } else { of_xy.1 }
+}
+
 impl Shear {
-    /// Without branches, which random directions would make the processor guess wrong.
     #[inline]
-    fn new(direction: Vec4) -> Self {
-        let d = direction.abs();
-        let of_xy = if d.y > d.x { (d.y, 1) } else { (d.x, 0) };
-        let kz = if d.z > of_xy.0 { 2 } else { of_xy.1 };
+    fn new(direction: Vec4, kz: usize) -> Self {
         // The axes after kz, two bits for each kz.
         let (kx, ky) = (0b00_10_01 >> (2 * kz) & 3, 0b01_00_10 >> (2 * kz) & 3);
         let d = direction.to_array();
@@ -224,6 +239,16 @@ mod tests {
             assert!(TraversalRay::new(&Ray::new([0.0; 3], [zero; 3])).is_none());
         }
         assert!(TraversalRay::new(&Ray::new([0.0; 3], [1e-45, 0.0, 0.0])).is_some());
+    }
+
+    #[test]
+    fn the_largest_component_is_that_of_the_f64_direction() {
+        let unit = f64::from(f32::from_bits(1));
+        let direction = DVec3::new(-0.6, 1.4, 1.2) * unit;
+        let ray = TraversalRay::from_f64(DVec3::ZERO, direction, 0.0).expect("rounds to (−1, 1, 1) units");
+        assert!(ray.is_rounded() && ray.ray().direction.abs() == Vec3::splat(unit as f32));
+        let &Shear { kx, ky, kz, sx, sy, .. } = ray.shear();
+        assert_eq!((kx, ky, kz, sx, sy), (2, 0, 1, 1.0, -1.0));
     }
 
     /// Origin on every face, edge and corner, zero components of either sign (S01, S02): the closed box is met.

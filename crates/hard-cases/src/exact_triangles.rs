@@ -14,12 +14,15 @@ pub(crate) struct ExactTriangles {
     mesh: Arc<TriangleMesh>,
     /// Those that can be hit at all.
     active: Vec<usize>,
+    /// The bounds of these.
+    bounds: Bounds3,
 }
 
 impl ExactTriangles {
     pub(crate) fn new(mesh: Arc<TriangleMesh>) -> Self {
-        let active = (0..mesh.len()).filter(|&i| mesh.triangle_bounds(i).is_valid()).collect();
-        Self { mesh, active }
+        let active: Vec<usize> = (0..mesh.len()).filter(|&i| mesh.triangle_bounds(i).is_valid()).collect();
+        let bounds = Bounds3::from_points(active.iter().flat_map(|&i| mesh.vertices(i)));
+        Self { mesh, active, bounds }
     }
 }
 
@@ -44,7 +47,7 @@ impl Shape for ExactTriangles {
     }
 
     fn intersect(&self, ray: &TraversalRay, interval: Interval) -> Option<Hit> {
-        let exact = ExactRay::unfiltered(ray);
+        let exact = ExactRay::new(ray, &self.bounds);
         let mut closest: Option<(usize, Enclosure)> = None;
         for &i in &self.active {
             let vertices = self.mesh.vertices(i);
@@ -64,7 +67,7 @@ impl Shape for ExactTriangles {
     }
 
     fn intersect_p(&self, ray: &TraversalRay, interval: Interval) -> bool {
-        let exact = ExactRay::unfiltered(ray);
+        let exact = ExactRay::new(ray, &self.bounds);
         self.active.iter().any(|&i| exact.intersect_triangle(&self.mesh.vertices(i), interval, &mut ()).is_some())
     }
 

@@ -5,6 +5,8 @@
 //! closed mesh never leaks.
 
 mod closed;
+mod configurations;
+pub(crate) mod far;
 pub(crate) mod findings;
 pub(crate) mod generate;
 pub(crate) mod judge;
@@ -44,6 +46,7 @@ pub(crate) const CASES: &[Case] = &[
     lists::T22,
     scales::T23,
     near::T24,
+    far::T25,
     real::T31,
     real::T32,
     real::T33,
@@ -52,6 +55,8 @@ pub(crate) const CASES: &[Case] = &[
     real::T36,
     real::T37,
     real::T38,
+    configurations::T39,
+    real::T40,
 ];
 
 #[cfg(test)]

@@ -5,7 +5,8 @@ use std::collections::hash_map::Entry;
 use std::sync::Arc;
 
 use bvh_flat::{
-    BuildConfig, BuildError, BuildObserver, BvhAggregate, InvalidBvh, MeshBvh, SimdWidth, WideLayout, WideMesh,
+    BuildConfig, BuildError, BuildObserver, BvhAggregate, ExactMesh, InvalidBvh, MeshBvh, SimdWidth, WideLayout,
+    WideMesh,
 };
 use geometry::{Bounds3, Hit, HitVisitor, Interval, Kernels, Shape, Sphere, TraversalRay, TriangleMesh, Visit};
 use primitive::{GeometricPrimitive, HitKind, Primitive, SurfaceInteraction, TransformedPrimitive};
@@ -81,6 +82,20 @@ pub trait MeshTree: Shape + Clone {
 impl MeshTree for WideMesh {
     fn build(mesh: Arc<TriangleMesh>, config: &BuildConfig, observer: &dyn BuildObserver) -> Result<Self, BuildError> {
         Self::build_observed(mesh, config, WideLayout::default(), observer)
+    }
+
+    fn mesh(&self) -> &Arc<TriangleMesh> {
+        self.mesh()
+    }
+
+    fn memory(&self) -> usize {
+        self.memory()
+    }
+}
+
+impl MeshTree for ExactMesh {
+    fn build(mesh: Arc<TriangleMesh>, config: &BuildConfig, observer: &dyn BuildObserver) -> Result<Self, BuildError> {
+        Ok(MeshBvh::build_observed(mesh, config, observer)?.exact())
     }
 
     fn mesh(&self) -> &Arc<TriangleMesh> {

@@ -53,6 +53,8 @@ impl WidthName {
 /// Box test and triangle test of binary trees.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum KernelName {
+    /// Padded boxes, exact triangles
+    Exact,
     /// Padded boxes, watertight triangles
     Watertight,
     /// Unpadded boxes before watertight triangles
@@ -99,6 +101,7 @@ impl Traversal {
     pub fn tests(self) -> [&'static str; 2] {
         match self {
             Self::Wide(_) => ["padded", "exact"],
+            Self::Binary(KernelName::Exact) => ["padded", "exact"],
             Self::Binary(KernelName::Watertight) => ["padded", "watertight"],
             Self::Binary(KernelName::UnpaddedBoxes) => ["unpadded", "watertight"],
             Self::Binary(KernelName::MollerTrumbore) => ["padded", "moller-trumbore"],
@@ -109,7 +112,7 @@ impl Traversal {
     /// `None` of kernels that are there to show what they lose.
     pub fn promise(self) -> Option<Promise> {
         match self {
-            Self::Wide(_) => Some(Promise::Exact),
+            Self::Wide(_) | Self::Binary(KernelName::Exact) => Some(Promise::Exact),
             Self::Binary(KernelName::Watertight) => Some(Promise::Watertight),
             Self::Binary(_) => None,
         }
@@ -179,6 +182,7 @@ impl Subject {
     fn of_kernels(compiled: &CompiledScene<MeshBvh>, kernels: KernelName) -> Result<Self> {
         let width = SimdWidth::widest();
         match kernels {
+            KernelName::Exact => Self::with_meshes(compiled, width, MeshBvh::exact),
             KernelName::Watertight => Self::with_meshes(compiled, width, MeshBvh::clone),
             KernelName::UnpaddedBoxes => Self::with_meshes(compiled, width, MeshBvh::with_kernels::<UnpaddedBoxes>),
             KernelName::MollerTrumbore => {

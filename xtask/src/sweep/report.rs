@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use super::builds::Build;
-use super::configuration::{Promise, Traversal};
+use super::configuration::{KernelName, Promise, Traversal};
 use super::run::{Configuration, Sweep};
 use crate::errors::{Errors, per_million, quantile};
 use crate::table::{count, table};
@@ -119,6 +119,14 @@ fn print_ways(sweep: &Sweep) {
         ways.add_row(row);
     }
     println!("{ways}");
+    for (kernels, name) in [(KernelName::Watertight, "watertight"), (KernelName::Exact, "exact")] {
+        let price = |speed| price(sweep, kernels, speed).map(|price| format!("{:+.1} %", 100.0 * price));
+        if let (Some(closest), Some(any)) = (price(Configuration::closest_speed), price(Configuration::any_speed)) {
+            println!(
+                "price    of {name} instead of naive kernels in the same binary trees: closest {closest}, any {any}"
+            );
+        }
+    }
     for (promise, name) in [(Promise::Exact, "exact"), (Promise::Watertight, "watertight")] {
         let (hash, rows) = sweep.answers_hash(promise);
         if rows > 0 {
@@ -188,6 +196,16 @@ fn print_errors(sweep: &Sweep) {
     if let Some(verdict) = verdict(sweep) {
         println!("verdict  {verdict}");
     }
+}
+
+/// How much longer rays take with these kernels than with the naive ones in the same binary trees, in the mean over the
+/// split methods; `None` where one or the other was not measured.
+fn price(sweep: &Sweep, kernels: KernelName, speed: fn(&Configuration) -> f64) -> Option<f64> {
+    let time = |kernels: KernelName| {
+        let rows = sweep.configurations.iter().filter(|c| c.traversal == Traversal::Binary(kernels));
+        rows.map(|row| 1.0 / speed(row)).reduce(|a, b| a + b)
+    };
+    Some(time(kernels)? / time(KernelName::Naive)? - 1.0)
 }
 
 /// Whether no other configuration is both at least as fast and at least as right, and better in one of them.

@@ -17,7 +17,7 @@ use super::builds::{Build, build_all, build_rounds};
 use super::configuration::{Layout, Promise, Subject, Traversal, Trees, WidthName};
 use crate::errors::{self, Errors, Truth};
 use crate::input::{self, SEED, SceneSource, SplitMethodName};
-use crate::measure::{median, timed};
+use crate::measure::{median, timed_on_processor};
 
 /// What was measured on one scene.
 pub struct Sweep {
@@ -131,8 +131,8 @@ pub fn sweep(arguments: &Arguments, source: &SceneSource, pool: &rayon::ThreadPo
         for (subject, times) in subjects.iter().zip(&mut times) {
             bar.set_message("trace");
             for ((_, rays), (closest, any)) in sets.named().into_iter().zip(times) {
-                closest.push(timed(|| trace_closest(&*subject.world, rays)).0);
-                any.push(timed(|| trace_any(&*subject.world, rays)).0);
+                closest.push(timed_on_processor(|| trace_closest(&*subject.world, rays)).0);
+                any.push(timed_on_processor(|| trace_any(&*subject.world, rays)).0);
             }
             bar.inc(1);
         }

@@ -72,7 +72,8 @@ impl TriangleRay {
     /// With u = 2⁻²⁴, D the largest extent of any of the triangles along an axis, and m = |A_z| + D, which bounds the depths
     /// of all three vertices. A sheared coordinate x = pₓ − Sₓ p_z is wrong by δ <= u (6m + 2R), where R bounds the sheared
     /// coordinates: one rounding in each p, three in Sₓ (of a direction that was rounded), one in the product (none where it
-    /// is fused), one in the difference; an edge function by 4Rδ + 2δ² + 4uR². The sheared coordinates of a triangle that the ray meets are at most 2D, so
+    /// is fused), one in the difference; an edge function by 4Rδ + 2δ² + 4uR². The sheared coordinates of a triangle that
+    /// the ray meets are at most 2D, so
     ///
     ///   E = (64u D + 256u² |A_z|) (|A_z| + 2.25 D) >= u (64 D |A_z| + 144 D²) + 256 u² A_z²
     ///
@@ -88,10 +89,10 @@ impl TriangleRay {
     /// large triangles, a third of kitchen's primary rays could not tell a wall from what hangs on it; this gave 17 %.)
     ///
     /// *Underflow.* It is in both bounds: the least normal number is more than products of edges can lose. What sums of
-    /// products with depths lose, 2⁻¹⁴⁷, is 2⁻⁸⁷ of depth at most where |Σe| >= 2⁻⁶⁰, which is less than the roundings counted
-    /// above, since D >= 2⁻³² then. Where t is below 2⁻⁶⁰ nothing is certain. *Overflow.* Edge functions are below 2¹²⁷, as the
-    /// origin is within 2⁶¹. Where |Σe| is beyond 2⁶⁰ nothing is certain. The comparisons are written so that NaN is neither
-    /// missed nor certain.
+    /// products with depths lose, 2⁻¹⁴⁷, is 2⁻⁸⁷ of depth at most where |Σe| >= 2⁻⁶⁰, which is less than the roundings
+    /// counted above, since D >= 2⁻³² then. Where t is below 2⁻⁶⁰ nothing is certain. *Overflow.* Edge functions are below
+    /// 2¹²⁷, as the origin is within 2⁶¹. Where |Σe| is beyond 2⁶⁰ nothing is certain. The comparisons are written so that
+    /// NaN is neither missed nor certain.
     #[inline(always)]
     pub(crate) fn candidates<L: Lanes>(
         &self,

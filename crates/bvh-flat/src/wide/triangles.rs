@@ -62,7 +62,7 @@ impl Scratch for [f32; LEAF_NUMBERS] {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Blocks;
 
-/// Leaves name their triangles, and the vertices are read from the mesh; boxes are quantised. About 19 bytes a triangle.
+/// Leaves name their triangles, and the vertices are read from the mesh; boxes are quantised. About 20 bytes a triangle.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Compact;
 

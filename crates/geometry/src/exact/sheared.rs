@@ -18,7 +18,7 @@ const TINY: f64 = f64::from_bits((1023 - 700) << 52);
 const LEAST_SUM: f64 = f64::from_bits((1023 - 350) << 52);
 
 /// The frame in which the ray is the z axis: that of Woop, Benthin and Wald 2013 in f64, with kz the axis of the largest
-/// component of the direction in f32, so that |Sx| and |Sy| are at most 1, up to the rounding of a direction.
+/// component of the f64 direction, so that |Sx| and |Sy| are at most 1, up to rounding.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Frame {
     kx: usize,

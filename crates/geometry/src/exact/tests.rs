@@ -84,7 +84,9 @@ impl Random {
             // As f32 has it, so that vertices are really met.
             target = target.as_vec3().as_dvec3();
         }
-        let direction = (target - o) * [1.0, 2.0_f64.powi(40), 2.0_f64.powi(-90)][self.below(3) as usize];
+        // Times the last, f32 holds 0 to 4 units of each component.
+        let scales = [1.0, 2.0_f64.powi(40), 2.0_f64.powi(-90), 2.0_f64.powi(-149)];
+        let direction = (target - o) * scales[self.below(scales.len() as u64) as usize];
         let ray = TraversalRay::from_f64(o, direction, 0.0);
         let other = || TraversalRay::new(&Ray::new([0.25; 3], [1.0, 0.5, -1.0])).expect("valid");
         (ray.unwrap_or_else(other), vertices)

@@ -1,9 +1,8 @@
 //! **S**: rays, boxes and traversal.
 //!
-//! Two cases of the study are about what does not exist yet, and are left out: S21, quantised nodes (there is one layout
-//! of nodes, with f32 boxes), and S24, lanes that contaminate each other (no kernel traces several rays at once).
 //! Flushing denormal numbers to zero is not tried in S06, since the mode of the processor cannot be set without `unsafe`.
 
+mod batches;
 mod directions;
 mod faces;
 mod grazing;
@@ -12,6 +11,7 @@ mod invalid;
 pub(crate) mod judge;
 mod order;
 mod patterns;
+mod quantised;
 mod ties;
 
 use crate::Case;
@@ -37,8 +37,17 @@ pub(crate) const CASES: &[Case] = &[
     Case { id: "S18", title: "planes an ulp apart", run: ties::near },
     Case { id: "S19", title: "overlapping boxes, the closer hit in the farther one", run: order::overlapping },
     Case { id: "S20", title: "any hit and closest hit", run: order::any_and_closest },
-    Case { id: "S22", title: "all values of one field of a ray", run: patterns::one_field },
+    Case { id: "S21", title: "quantised boxes, 10^9 times as large as what is in them", run: quantised::boxes },
+    Case { id: "S22-ox", title: "all values of ox of a ray", run: patterns::one_field::<0> },
+    Case { id: "S22-oy", title: "all values of oy of a ray", run: patterns::one_field::<1> },
+    Case { id: "S22-oz", title: "all values of oz of a ray", run: patterns::one_field::<2> },
+    Case { id: "S22-dx", title: "all values of dx of a ray", run: patterns::one_field::<3> },
+    Case { id: "S22-dy", title: "all values of dy of a ray", run: patterns::one_field::<4> },
+    Case { id: "S22-dz", title: "all values of dz of a ray", run: patterns::one_field::<5> },
+    Case { id: "S22-tmin", title: "all values of tmin of a ray", run: patterns::one_field::<6> },
+    Case { id: "S22-tmax", title: "all values of tmax of a ray", run: patterns::one_field::<7> },
     Case { id: "S23", title: "rays of any bits", run: patterns::any_bits },
+    Case { id: "S24", title: "rays of a batch do not know of each other", run: batches::independent },
 ];
 
 /// Runs `cases` on a subject, and fails with what each of them says that does not pass, but for those of `open`, which must

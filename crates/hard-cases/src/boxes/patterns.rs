@@ -22,9 +22,9 @@ const ALL: u64 = 1 << 32;
 /// How many are done between two reports of progress.
 const CHUNK: u64 = 1 << 20;
 
-/// S22: each of the eight fields takes all 2³² values, while the others are those of a ray that hits a box of 12
-/// triangles; in quick runs one value of each of 2¹³ stretches, and those around every power of two.
-pub(super) fn one_field(run: &Run) -> Outcome {
+/// S22: one of the eight fields takes all 2³² values, while the others are those of a ray that hits a box of 12 triangles;
+/// in quick runs one value of each of 2¹³ stretches, and those around every power of two.
+pub(super) fn one_field<const FIELD: usize>(run: &Run) -> Outcome {
     let mut random = Random::new(run.seed, 122);
     let base: Fields = [
         0.3 * random.unit(),
@@ -36,11 +36,11 @@ pub(super) fn one_field(run: &Run) -> Outcome {
         0.1 * random.unit(),
         5.0 + random.unit(),
     ];
-    in_chunks(run, 8 * ALL, |judge, tries, values| {
+    in_chunks(run, 1 << 13, |judge, tries, values| {
         for i in values {
             let mut fields = base;
-            fields[(i / ALL) as usize] = f32::from_bits(i as u32);
-            answers_as_the_list(judge, tries, &fields, || NAMES[(i / ALL) as usize]);
+            fields[FIELD] = f32::from_bits(i as u32);
+            answers_as_the_list(judge, tries, &fields, || NAMES[FIELD]);
         }
     })
 }
@@ -61,7 +61,7 @@ pub(super) fn any_bits(run: &Run) -> Outcome {
         -1e-45,
         1e30,
     ];
-    in_chunks(run, ALL, |judge, tries, values| {
+    in_chunks(run, 1 << 16, |judge, tries, values| {
         // A stream of its own for each value: the outcome does not depend on where the work is cut.
         for i in values {
             let mut random = Random::new(run.seed ^ i, 123);
@@ -75,20 +75,20 @@ pub(super) fn any_bits(run: &Run) -> Outcome {
     })
 }
 
-/// Has `work` done for all values below `count`, on all threads and with reports of progress; in quick runs for a part of
-/// them, evenly spread and around each change of the exponent.
+/// Has `work` done for all numbers of 32 bits, on all threads and with reports of progress; in quick runs for one of each of
+/// `stretches`, and those around each change of the exponent.
 fn in_chunks(
     run: &Run,
-    count: u64,
+    stretches: u64,
     work: impl Fn(&Judge, &mut Tries, &mut dyn Iterator<Item = u64>) + Sync,
 ) -> Outcome {
     let mut tries = Tries::new();
     let mesh = cuboid(Vec3::new(-1.0, -0.75, -0.5), Vec3::new(0.5, 1.0, 1.25));
     let Some(judge) = Judge::new(&mut tries, run, mesh) else { return tries.outcome() };
     if run.effort == Effort::Quick {
-        let spread = count >> 16;
-        work(&judge, &mut tries, &mut (0..count).step_by(spread as usize).map(|i| i + i / spread % spread));
-        let around = (0..count).step_by(1 << 23).flat_map(|i| [i.wrapping_sub(1) % count, i, i + 1]);
+        let stretch = ALL / stretches;
+        work(&judge, &mut tries, &mut (0..ALL).step_by(stretch as usize).map(|i| i + i / stretch % stretch));
+        let around = (0..ALL).step_by(1 << 23).flat_map(|i| [i.wrapping_sub(1) % ALL, i, i + 1]);
         work(&judge, &mut tries, &mut around.into_iter());
         return tries.outcome();
     }
@@ -98,10 +98,10 @@ fn in_chunks(
         let mut values: Range<u64> = i * CHUNK..(i + 1) * CHUNK;
         work(&judge, &mut tries, &mut values);
         let done = done.fetch_add(CHUNK, Ordering::Relaxed) + CHUNK;
-        (run.progress)(done as f64 / count as f64);
+        (run.progress)(done as f64 / ALL as f64);
         tries
     };
-    let all: Vec<Tries> = (0..count / CHUNK).into_par_iter().map(chunk).collect();
+    let all: Vec<Tries> = (0..ALL / CHUNK).into_par_iter().map(chunk).collect();
     all.into_iter().fold(tries, Tries::and).outcome()
 }
 

@@ -4,6 +4,7 @@
 mod boxes;
 mod ellipsoid;
 mod exact;
+mod far;
 mod many;
 mod nested;
 mod placed;
@@ -34,6 +35,7 @@ pub(crate) const CASES: &[Case] = &[
     Case { id: "I17", title: "instances in another order", run: many::permuted },
     Case { id: "I18", title: "hit points and their bounds after 1 to 16 levels", run: nested::bounds_of_points },
     Case { id: "I19", title: "objects far from their own origin", run: single::far_from_its_origin },
+    Case { id: "I20", title: "triangles 2^22 to 2^36 times their size away", run: far::small_triangles },
 ];
 
 #[cfg(test)]

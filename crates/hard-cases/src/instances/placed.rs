@@ -174,6 +174,27 @@ impl Placed {
         }
     }
 
+    /// Holds the closest hit of a ray against the exact one without any allowance, where f64 holds the ray in the mesh's
+    /// space exactly; whether it hits. That there is a ray which it does not hold is a failure, too.
+    pub(super) fn judge_strictly(&self, trials: &mut Trials, ray: &Ray) -> bool {
+        let Some(traversal) = TraversalRay::new(ray) else { return false };
+        let rays = self.rays(&traversal);
+        let inner = &rays[rays.len() - 1];
+        let direction = self.chain.iter().rev().fold(inner.direction64(), |d, transform| transform.vector(d));
+        let is_held = self.to_world(inner.origin64()) == ray.origin.as_dvec3() && direction == ray.direction.as_dvec3();
+        trials.check(is_held, || format!("{self:?} {ray:?}: f64 does not hold it"));
+        trials.count("rays that f32 does not hold", u64::from(inner.is_rounded()));
+        let exact = self.oracle.closest(ray, Interval::FULL, &mut Tally::default());
+        let expected = exact.map(|exact| (exact.t.to_f32(), exact.primitives[0]));
+        let hit = self.primitive.intersect(&traversal, Interval::FULL).map(|hit| (hit.t, hit.primitive));
+        let any = self.primitive.intersect_p(&traversal, Interval::FULL);
+        trials.count("hits", u64::from(hit.is_some()));
+        trials.check(hit == expected && any == expected.is_some(), || {
+            format!("{self:?} {ray:?}: {hit:?}, any: {any}, instead of {expected:?}")
+        });
+        hit.is_some()
+    }
+
     fn judge_values(
         &self,
         trials: &mut Trials,

@@ -3,7 +3,7 @@
 
 use std::path::PathBuf;
 
-use geometry::{Bounds3, Interval, TriangleMesh};
+use geometry::{Bounds3, Interval, Ray, TriangleMesh};
 use scene::SceneShape;
 
 use super::closed::{Closed, try_all};
@@ -32,26 +32,40 @@ scenes! {
     T38 = "T38", "q3-minia.ply", "game level with T-junctions", judged;
 }
 
-/// Loads the scene and tries it; where there is none, tries nothing.
-fn on_scene(run: &Run, file: &str, try_scene: fn(&Run, TriangleMesh, Bounds3) -> Fallible<Findings>) -> Outcome {
+pub(super) const T40: Case = Case { id: "T40", title: "hit points within their bounds on real scenes", run: t40 };
+
+/// The mesh of a real scene, the first of a file; `None` where the file is not there.
+pub(super) fn real_mesh(file: &str) -> Fallible<Option<TriangleMesh>> {
     let path = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/scenes")).join(file);
     if !path.is_file() {
-        let mut findings = Findings::default();
-        findings.count("skipped", 1);
-        findings.check(true, String::new);
-        return outcome_of(Ok(findings));
+        return Ok(None);
     }
-    let load = || -> Fallible<Findings> {
-        let scene = scene::load(&path)?;
-        let mesh = scene.geometries().iter().find_map(|geometry| match &geometry.shape {
-            SceneShape::Mesh(mesh) => Some(TriangleMesh::clone(mesh)),
-            SceneShape::Sphere(_) => None,
-        });
-        let mesh = mesh.ok_or("the scene has no mesh")?;
-        let bounds = Bounds3::from_points(mesh.positions().iter().copied());
-        try_scene(run, mesh, bounds)
-    };
-    outcome_of(load())
+    let scene = scene::load(&path)?;
+    let mesh = scene.geometries().iter().find_map(|geometry| match &geometry.shape {
+        SceneShape::Mesh(mesh) => Some(TriangleMesh::clone(mesh)),
+        SceneShape::Sphere(_) => None,
+    });
+    mesh.map(Some).ok_or_else(|| "the scene has no mesh".into())
+}
+
+/// What a case finds whose scene is not there.
+pub(super) fn skipped() -> Findings {
+    let mut findings = Findings::default();
+    findings.count("skipped", 1);
+    findings.check(true, String::new);
+    findings
+}
+
+/// Loads the scene and tries it; where there is none, tries nothing.
+fn on_scene(run: &Run, file: &str, try_scene: fn(&Run, TriangleMesh, Bounds3) -> Fallible<Findings>) -> Outcome {
+    let found = real_mesh(file).and_then(|mesh| match mesh {
+        None => Ok(skipped()),
+        Some(mesh) => {
+            let bounds = Bounds3::from_points(mesh.positions().iter().copied());
+            try_scene(run, mesh, bounds)
+        }
+    });
+    outcome_of(found)
 }
 
 /// No ray from within leaks.
@@ -73,4 +87,42 @@ fn judged(run: &Run, mesh: TriangleMesh, bounds: Bounds3) -> Fallible<Findings> 
     });
     findings.require(Quantity::TError, 0.9999, 16.0);
     Ok(findings)
+}
+
+/// Metric M4: no hit point is further from the exact one than it says, and what it says is at most two units of f32 at its
+/// largest coordinate. From anywhere around, at the inside of triangles, edges, vertices and box corners.
+fn t40(run: &Run) -> Outcome {
+    const FILES: [&str; 8] = [
+        "engine-2cylinder.ply",
+        "terrain-everest-ecef.ply",
+        "bunny.ply",
+        "sponza.ply",
+        "cad-shaft.ply",
+        "hairball-procedural.ply",
+        "kitchen.ply",
+        "dragon.ply",
+    ];
+    let files = run.effort.pick(&FILES[..2], &FILES[..]);
+    // Three of four rays hit, of rays at holes and at what is behind them.
+    let count = run.effort.pick(4_000, 1_800_000);
+    let try_all = || -> Fallible<Findings> {
+        let mut all = Findings::default();
+        for (number, file) in files.iter().enumerate() {
+            let Some(mesh) = real_mesh(file)? else { return Ok(skipped()) };
+            let bounds = Bounds3::from_points(mesh.positions().iter().copied());
+            let specimen = Specimen::new(run, mesh)?;
+            let progress = |part: f64| (run.progress)((number as f64 + part) / files.len() as f64);
+            let run = Run { progress: &progress, ..*run };
+            all = all.and(in_chunks(&run, 0x728 + number as u64, count, |i, random, findings| {
+                let origin = bounds.centroid() + 0.75 * bounds.diagonal() * random.vector();
+                let direction = Aim::ALL[i % 4].target(&specimen.mesh, random) - origin;
+                let hit = specimen.judge(&Ray::new(origin, direction), Interval::FULL, findings);
+                findings.count("hits", u64::from(hit.is_some()));
+            }));
+        }
+        all.require_count("hits", run.effort.pick(4_000, 10_000_000));
+        all.require(Quantity::PointBound, 1.0, 2.0);
+        Ok(all)
+    };
+    outcome_of(try_all())
 }
