@@ -84,9 +84,8 @@ pub struct BuildConfig {
     /// The length of the Morton codes; only [`SplitMethod::Hlbvh`] uses it.
     pub morton_bits: MortonBits,
     /// Whether the tree is optimised by reinsertion, and for how long. With it, a build first makes leaves of one
-    /// primitive each, whatever the method; moves subtrees; and then merges leaves, up to
-    /// [`max_primitives_in_leaf`](Self::max_primitives_in_leaf), where the heuristic says that this is cheaper. Default
-    /// `None`.
+    /// primitive each, whatever the method; merges them, up to [`max_primitives_in_leaf`](Self::max_primitives_in_leaf),
+    /// where the heuristic says that this is cheaper; and then moves subtrees. Default `None`.
     pub reinsertion: Option<Reinsertion>,
 }
 

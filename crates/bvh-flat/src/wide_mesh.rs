@@ -10,6 +10,8 @@ use rayon::iter::{IndexedParallelIterator, ParallelIterator};
 #[cfg(feature = "parallel")]
 use rayon::slice::{ParallelSlice, ParallelSliceMut};
 
+#[cfg(feature = "build")]
+use crate::simd::LANES;
 use crate::simd::SimdWidth;
 use crate::wide::{
     All, Answered, AnyQuery, Blocks, ClosestQuery, Compact, LARGE, Layout, Many, One, TriangleWriter, Triangles,
@@ -87,7 +89,10 @@ impl WideMesh {
     ) -> Result<Self, BuildError> {
         let mesh = mesh.into();
         let bounds: Vec<Bounds3> = (0..mesh.len()).map(|i| mesh.triangle_bounds(i)).collect();
-        let bvh = FlatBvh::build(&bounds, &config.with_max_primitives_in_leaf(1), observer)?;
+        // Where subtrees are moved, whole leaves should be: the trees are as good, and the move of a few primitives that
+        // will share a leaf costs as much time as any other.
+        let max_in_leaf = if config.reinsertion.is_some() { LANES as u32 } else { 1 };
+        let bvh = FlatBvh::build(&bounds, &config.with_max_primitives_in_leaf(max_in_leaf), observer)?;
         // At most a line for each triangle and a node for each but one always fit; most meshes need a fifth of that.
         let limit = MAX_LINES / (1 + FullNode::LINES);
         Self::from_tree(&mesh, &bvh, layout).ok_or(BuildError::TooManyPrimitives { count: mesh.len(), limit })
