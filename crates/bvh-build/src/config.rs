@@ -75,6 +75,11 @@ pub struct BuildConfig {
     pub traversal_cost: f32,
     /// The chapter's t_isect: the cost of testing one primitive. Finite, not negative; default 1.
     pub intersection_cost: f32,
+    /// The cost of visiting a leaf, beside that of its primitives; where several are tested at once it is the larger part.
+    /// Counted where leaves are merged for [`reinsertion`](Self::reinsertion), and in the statistics. Splitting a node
+    /// leaves it out: as long as there are many primitives, what they are divided into is no leaf. Finite, not negative;
+    /// default 0.
+    pub leaf_cost: f32,
     /// Into how many buckets the interval of a node's centroids is divided, wherever a node is split by the surface area
     /// heuristic: by [`SplitMethod::Sah`], and above the treelets of [`SplitMethod::Hlbvh`]. More of them find cheaper
     /// splits and take longer to search. Between 2 and 64; default 12, as in pbrt.
@@ -109,6 +114,7 @@ impl BuildConfig {
             max_primitives_in_leaf: 4,
             traversal_cost: 0.5,
             intersection_cost: 1.0,
+            leaf_cost: 0.0,
             buckets: 12,
             axes: SplitAxes::Dominant,
             morton_bits: MortonBits::Auto,
@@ -140,6 +146,11 @@ impl BuildConfig {
         Self { traversal_cost, intersection_cost, ..self }
     }
 
+    /// The same with another [`leaf_cost`](Self::leaf_cost).
+    pub const fn with_leaf_cost(self, leaf_cost: f32) -> Self {
+        Self { leaf_cost, ..self }
+    }
+
     /// The same with another number of [`buckets`](Self::buckets).
     pub const fn with_buckets(self, buckets: u32) -> Self {
         Self { buckets, ..self }
@@ -160,6 +171,11 @@ impl BuildConfig {
         Self { reinsertion, ..self }
     }
 
+    /// What a ray pays for meeting a leaf of `count` primitives.
+    pub(crate) fn cost_of_leaf(&self, count: u32) -> f64 {
+        f64::from(self.leaf_cost) + f64::from(count) * f64::from(self.intersection_cost)
+    }
+
     pub(crate) fn validate(&self) -> Result<(), BuildError> {
         if !(1..=MAX_LEAF).contains(&self.max_primitives_in_leaf) {
             return Err(BuildError::InvalidConfig {
@@ -175,9 +191,11 @@ impl BuildConfig {
                 requirement: "between 2 and 64",
             });
         }
-        for (parameter, value) in
-            [("traversal_cost", self.traversal_cost), ("intersection_cost", self.intersection_cost)]
-        {
+        for (parameter, value) in [
+            ("traversal_cost", self.traversal_cost),
+            ("intersection_cost", self.intersection_cost),
+            ("leaf_cost", self.leaf_cost),
+        ] {
             if !(value.is_finite() && value >= 0.0) {
                 let requirement = "finite and not negative";
                 return Err(BuildError::InvalidConfig { parameter, value, requirement });
@@ -207,6 +225,7 @@ mod tests {
             BuildConfig::default().with_costs(-1.0, 1.0),
             BuildConfig::default().with_costs(f32::NAN, 1.0),
             BuildConfig::default().with_costs(1.0, f32::INFINITY),
+            BuildConfig::default().with_leaf_cost(-0.5),
             BuildConfig::default().with_reinsertion(Some(Reinsertion::new(1, 0.0))),
             BuildConfig::default().with_reinsertion(Some(Reinsertion::new(1, 1.0_f32.next_up()))),
             BuildConfig::default().with_reinsertion(Some(Reinsertion::new(1, f32::NAN))),

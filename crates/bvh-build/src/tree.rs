@@ -61,8 +61,8 @@ pub struct TreeStatistics {
     /// How many are not: their bounds are empty, NaN or outside of the domain ([`Bounds3::is_valid`]).
     pub inactive_count: u32,
     /// The expected cost of a random ray that meets the tree's bounds, by the surface area heuristic and with the
-    /// costs of the configuration: the sum of p · t_trav over the interior nodes and of p · n · t_isect over the
-    /// leaves, where p is a node's area as a part of the root's. Where the root has no area, p is 1. Always finite.
+    /// costs of the configuration: the sum of p · t_trav over the interior nodes and of p · (t_leaf + n · t_isect) over
+    /// the leaves, where p is a node's area as a part of the root's. Where the root has no area, p is 1. Always finite.
     pub sah_cost: f64,
 }
 
@@ -111,7 +111,7 @@ impl TreeStatistics {
     /// The statistics of `nodes`, without those of primitives.
     fn of(nodes: &[Node], config: &BuildConfig) -> Self {
         let root_area = nodes.first().map_or(0.0, |root| root.bounds.surface_area());
-        let [t_trav, t_isect] = [config.traversal_cost, config.intersection_cost].map(f64::from);
+        let t_trav = f64::from(config.traversal_cost);
         let mut statistics = Self { node_count: nodes.len() as u32, ..Self::default() };
         // The second children to come, the next one last, with their depths.
         let mut pending: Vec<(usize, u32)> = Vec::new();
@@ -128,7 +128,7 @@ impl TreeStatistics {
                 NodeKind::Leaf { count, .. } => {
                     statistics.leaf_count += 1;
                     statistics.largest_leaf = statistics.largest_leaf.max(count);
-                    p * f64::from(count) * t_isect
+                    p * config.cost_of_leaf(count)
                 }
             };
         }

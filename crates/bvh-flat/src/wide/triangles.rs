@@ -146,6 +146,14 @@ fn largest_extent(mesh: &TriangleMesh, ids: &[u32]) -> f32 {
     ids.iter().map(|&i| extent(mesh.vertices(i as usize))).fold(0.0, f32::max).next_up()
 }
 
+/// A step to a leaf takes half as much time again as one to a node, whatever it holds; the rest makes the tree that tests
+/// less win among equal ones. (From 0.5 to 2.5 for the leaf and 0 to 0.3 for a triangle, nothing was faster by more than
+/// the noise on bunny, sponza and kitchen; but 0.3 takes a fifth more memory.)
+pub(crate) const LEAF_COST: f64 = 1.5;
+
+/// What a triangle adds to it.
+pub(crate) const TRIANGLE_COST: f64 = 0.1;
+
 /// Writes leaves of a layout.
 pub(crate) struct TriangleWriter<'a, Y> {
     pub(crate) mesh: &'a TriangleMesh,
@@ -164,11 +172,8 @@ impl<Y: Layout> LeafWriter for TriangleWriter<'_, Y> {
         place
     }
 
-    /// A step to a leaf takes half as much time again as one to a node, whatever it holds; the rest makes the tree that
-    /// tests less win among equal ones. (From 0.5 to 2.5 for the leaf and 0 to 0.3 for a triangle, nothing was faster by
-    /// more than the noise on bunny, sponza and kitchen; but 0.3 takes a fifth more memory.)
     fn cost(&self, count: usize) -> f64 {
-        1.5 + 0.1 * count as f64
+        LEAF_COST + TRIANGLE_COST * count as f64
     }
 }
 
