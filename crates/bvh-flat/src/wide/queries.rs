@@ -146,7 +146,7 @@ impl<Y: Layout> Query for ClosestQuery<'_, Y> {
                 if is_sure && is_first && self.asked.is_inside(low, high) {
                     (self.found, self.enclosure) = (Some(Found { leaf, lane, low }), None);
                     self.t_max = high;
-                } else {
+                } else if !self.is_found_again(leaf, lane) {
                     self.decide(ray, leaf, lane);
                 }
             }
@@ -156,6 +156,13 @@ impl<Y: Layout> Query for ClosestQuery<'_, Y> {
 }
 
 impl<Y: Layout> ClosestQuery<'_, Y> {
+    /// Whether a triangle is the closest so far, met again in another leaf.
+    #[inline(always)]
+    fn is_found_again(&self, leaf: Child, lane: usize) -> bool {
+        let primitive = |leaf, lane| Y::primitive(self.asked.triangles, leaf, lane);
+        self.found.as_ref().is_some_and(|found| primitive(found.leaf, found.lane) == primitive(leaf, lane))
+    }
+
     /// Takes a triangle of which f32 says too little.
     #[cold]
     #[inline(never)]

@@ -32,6 +32,16 @@ pub(crate) trait Layout: Copy + 'static {
         leaf: Child,
         scratch: &'a mut Self::Scratch,
     ) -> Option<&'a [f32; LEAF_NUMBERS]>;
+
+    /// Which of the stored words of a leaf of `count` triangles has the number of one of them.
+    fn place_of_id(count: usize, lane: usize) -> usize;
+
+    /// The number of a triangle in its mesh; `None` where there is none.
+    #[inline(always)]
+    fn primitive(triangles: &Triangles, leaf: Child, lane: usize) -> Option<u32> {
+        let stored = triangles.tree.arena.leaf(leaf.place())?;
+        Some(stored[Self::place_of_id(leaf.count(), lane) & 127].to_bits().wrapping_sub(BIAS))
+    }
 }
 
 /// What a wide tree over a mesh consists of.
@@ -78,6 +88,11 @@ impl Layout for Blocks {
     fn numbers<'a>(triangles: &'a Triangles, leaf: Child, (): &'a mut ()) -> Option<&'a [f32; LEAF_NUMBERS]> {
         triangles.tree.arena.leaf(leaf.place())
     }
+
+    #[inline(always)]
+    fn place_of_id(count: usize, lane: usize) -> usize {
+        1 + 9 * count + lane
+    }
 }
 
 impl Layout for Compact {
@@ -99,6 +114,11 @@ impl Layout for Compact {
         let (stored, count) = (triangles.tree.arena.leaf(leaf.place())?, leaf.count());
         gather(&triangles.mesh, stored, count, scratch)?;
         Some(scratch)
+    }
+
+    #[inline(always)]
+    fn place_of_id(_: usize, lane: usize) -> usize {
+        1 + lane
     }
 }
 
