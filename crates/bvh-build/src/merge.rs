@@ -1,15 +1,17 @@
 //! Leaves of several primitives, where these cost less than a subtree.
 
+use crate::subtree::append_leaf;
 use crate::{BuildConfig, Node, NodeKind};
 
 /// The tree of `nodes` and `order` with each subtree made a leaf whose primitives are cheaper to test at once, and fit
 /// a leaf: the largest such subtrees, of equal costs the leaf. Costs are those of the surface area heuristic.
-pub(crate) fn leaves(mut nodes: Vec<Node>, mut order: Vec<u32>, config: &BuildConfig) -> (Vec<Node>, Vec<u32>) {
+pub(crate) fn leaves(mut nodes: Vec<Node>, old_order: Vec<u32>, config: &BuildConfig) -> (Vec<Node>, Vec<u32>) {
     if config.max_primitives_in_leaf == 1 {
-        return (nodes, order);
+        return (nodes, old_order);
     }
     let subtrees = rate(&nodes, config);
     let mut kept = 0;
+    let mut order = Vec::with_capacity(old_order.len());
     // Interior nodes whose second child is to come, the next one last: where they were to find it, and where they are.
     let mut pending: Vec<(usize, usize)> = Vec::new();
     let mut next = 0;
@@ -28,8 +30,8 @@ pub(crate) fn leaves(mut nodes: Vec<Node>, mut order: Vec<u32>, config: &BuildCo
             }
             _ => {
                 next += subtree.node_count as usize;
-                let (first, count) = (subtree.first, subtree.count);
-                order[first as usize..][..count as usize].sort_unstable();
+                let primitives = &old_order[subtree.first as usize..][..subtree.count as usize];
+                let (first, count) = append_leaf(&mut order, primitives.iter().copied());
                 NodeKind::Leaf { first, count }
             }
         };
@@ -120,7 +122,7 @@ mod tests {
                     let config = BuildConfig::default().with_max_primitives_in_leaf(leaf);
                     let config = config.with_costs(t_trav, t_isect).with_leaf_cost(t_leaf);
                     let (nodes, order) = leaves(fine.nodes().to_vec(), fine.order().to_vec(), &config);
-                    let coarse = crate::Tree::new(nodes, order, 0, &config);
+                    let coarse = crate::Tree::new(nodes, order, [n as usize; 2], &config);
                     let statistics = coarse.statistics();
                     if n > 0 {
                         let (cost, count, leaf_count) = naive(fine.nodes(), 0, &config);

@@ -9,6 +9,9 @@ use crate::BuildConfig;
 /// Every node's bounds contain those of its children, and a leaf's bounds contain those of its primitives, exactly;
 /// they are the smallest that do. Every active primitive is in one leaf. No path has more than
 /// [`MAX_DEPTH`](crate::MAX_DEPTH) nodes, and n primitives make at most 2n − 1 of them.
+///
+/// Where space was [split](crate::SpatialSplits), a primitive may be in several leaves, in none of them twice: each has the
+/// part of it that is within its bounds, and together all of it. Then n counts these references.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tree {
     nodes: Vec<Node>,
@@ -58,6 +61,9 @@ pub struct TreeStatistics {
     pub largest_leaf: u32,
     /// How many primitives are in the tree.
     pub active_count: u32,
+    /// How many references to them the leaves have: more than primitives where [space was
+    /// split](crate::SpatialSplits).
+    pub reference_count: u32,
     /// How many are not: their bounds are empty, NaN or outside of the domain ([`Bounds3::is_valid`]).
     pub inactive_count: u32,
     /// The expected cost of a random ray that meets the tree's bounds, by the surface area heuristic and with the
@@ -67,10 +73,17 @@ pub struct TreeStatistics {
 }
 
 impl Tree {
-    pub(crate) fn new(nodes: Vec<Node>, order: Vec<u32>, inactive_count: usize, config: &BuildConfig) -> Self {
+    /// With the statistics; `active_count` of `primitive_count` primitives are in it.
+    pub(crate) fn new(
+        nodes: Vec<Node>,
+        order: Vec<u32>,
+        [active_count, primitive_count]: [usize; 2],
+        config: &BuildConfig,
+    ) -> Self {
         let statistics = TreeStatistics {
-            active_count: order.len() as u32,
-            inactive_count: inactive_count as u32,
+            active_count: active_count as u32,
+            inactive_count: (primitive_count - active_count) as u32,
+            reference_count: order.len() as u32,
             ..TreeStatistics::of(&nodes, config)
         };
         Self { nodes, order, statistics }
@@ -82,7 +95,7 @@ impl Tree {
         &self.nodes
     }
 
-    /// The indices of the active primitives, leaf by leaf in the order of the nodes.
+    /// The indices of the active primitives, leaf by leaf in the order of the nodes, each as often as it is in a leaf.
     pub fn order(&self) -> &[u32] {
         &self.order
     }

@@ -11,6 +11,9 @@ use rayon::iter::{IndexedParallelIterator, ParallelIterator};
 use rayon::slice::{ParallelSlice, ParallelSliceMut};
 
 #[cfg(feature = "build")]
+use geometry::clipped_triangle_bounds;
+
+#[cfg(feature = "build")]
 use crate::simd::LANES;
 use crate::simd::SimdWidth;
 use crate::wide::{
@@ -105,7 +108,9 @@ impl WideMesh {
     ) -> Result<Self, BuildError> {
         let mesh = mesh.into();
         let bounds: Vec<Bounds3> = (0..mesh.len()).map(|i| mesh.triangle_bounds(i)).collect();
-        let bvh = FlatBvh::build(&bounds, &binary_config(config), observer)?;
+        let clipped = |i: u32, to: &Bounds3| clipped_triangle_bounds(&mesh.vertices(i as usize), to);
+        let tree = bvh_build::build_split(&bounds, &clipped, &binary_config(config), observer)?;
+        let bvh = FlatBvh::from_tree(tree);
         // At most a line for each triangle and a node for each but one always fit; most meshes need a fifth of that.
         let limit = MAX_LINES / (1 + FullNode::LINES);
         Self::from_tree(&mesh, &bvh, layout).ok_or(BuildError::TooManyPrimitives { count: mesh.len(), limit })

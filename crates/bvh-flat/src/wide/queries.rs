@@ -1,6 +1,7 @@
 //! The three queries of a wide tree of triangles, as kernels.
 
 use std::cmp::Ordering;
+use std::collections::BTreeSet;
 use std::marker::PhantomData;
 use std::ops::ControlFlow;
 
@@ -256,7 +257,7 @@ impl<Y: Layout> Kernel for All<'_, '_, Y> {
         let Self { triangles, ray, interval, visitor, .. } = self;
         let visit = ControlFlow::Continue(interval.t_max());
         let asked = Asked::<Y>::new(triangles, ray, interval);
-        let mut query = AllQuery { asked, visitor, work: Work::default(), visit };
+        let mut query = AllQuery { asked, visitor, work: Work::default(), visit, told: BTreeSet::new() };
         traverse::<L, Y::Node>(&triangles.tree.arena, triangles.tree.root, ray, interval, &mut query);
         let AllQuery { visitor, work, visit, .. } = query;
         visitor.work(work);
@@ -269,6 +270,8 @@ struct AllQuery<'a, 'v, Y> {
     visitor: &'v mut dyn HitVisitor,
     work: Work,
     visit: Visit,
+    /// The triangles that the visitor knows, where they may be in several leaves.
+    told: BTreeSet<u32>,
 }
 
 impl<Y: Layout> Query for AllQuery<'_, '_, Y> {
@@ -301,8 +304,12 @@ impl<Y: Layout> AllQuery<'_, '_, Y> {
             let ControlFlow::Continue(t_max) = self.visit else { return };
             let (vertices, interval) = (leaf.vertices(lane), self.asked.interval.with_t_max(t_max));
             let Some(enclosure) = exact.intersect_triangle(&vertices, interval, &mut ()) else { continue };
+            let primitive = leaf.primitive(lane);
+            if self.asked.triangles.tree.is_split && !self.told.insert(primitive) {
+                continue;
+            }
             let TriangleHit { t, u, v } = exact.values(&vertices, &enclosure, &mut ());
-            self.visit = self.visitor.hit(Hit { t, u, v, primitive: u64::from(leaf.primitive(lane)) });
+            self.visit = self.visitor.hit(Hit { t, u, v, primitive: u64::from(primitive) });
         }
     }
 }

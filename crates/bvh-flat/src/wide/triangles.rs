@@ -182,14 +182,20 @@ pub(crate) struct TriangleWriter<'a, Y> {
 }
 
 impl<Y: Layout> LeafWriter for TriangleWriter<'_, Y> {
-    fn write(&self, range: Range<usize>, lines: &mut Vec<Line>) -> usize {
+    fn write(&self, range: Range<usize>, lines: &mut Vec<Line>) -> (usize, usize) {
         let place = lines.len();
-        lines.extend(self.layout.words(self.mesh, &self.order[range]).chunks(16).map(|chunk| {
+        let mut ids: Vec<u32> = Vec::with_capacity(range.len());
+        for id in &self.order[range] {
+            if !ids.contains(id) {
+                ids.push(*id);
+            }
+        }
+        lines.extend(self.layout.words(self.mesh, &ids).chunks(16).map(|chunk| {
             let mut line = Line::default();
             line.0[..chunk.len()].copy_from_slice(chunk);
             line
         }));
-        place
+        (place, ids.len())
     }
 
     fn cost(&self, count: usize) -> f64 {
