@@ -8,5 +8,6 @@ mod exact;
 mod instancing;
 mod media;
 mod real_scenes;
+mod spatial_splits;
 mod support;
 mod wide;

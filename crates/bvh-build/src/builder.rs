@@ -4,10 +4,13 @@ use geometry::Bounds3;
 
 use crate::depth::{MAX_DEPTH, MAX_PRIMITIVES};
 use crate::observer::observed;
-use crate::prim_info::PrimInfo;
+use crate::prim_info::{Extent, PrimInfo};
 use crate::recursive::{Group, Rules};
 use crate::subtree::Subtree;
-use crate::{BuildConfig, BuildError, BuildObserver, Node, Phase, SplitMethod, Tree, hlbvh, merge, reinsertion};
+use crate::{
+    BuildConfig, BuildError, BuildObserver, ClippedBounds, Node, Phase, SpatialSplits, SplitMethod, Tree,
+    TreeStatistics, hlbvh, merge, reinsertion, spatial,
+};
 
 /// The tree over `bounds`; see [`build_observed`].
 ///
@@ -30,23 +33,54 @@ pub fn build_observed(
     config: &BuildConfig,
     observer: &dyn BuildObserver,
 ) -> Result<Tree, BuildError> {
+    build_clipped(bounds, None, config, observer)
+}
+
+/// As [`build_observed`], of primitives that can be asked for the bounds of their parts: so space can be split, where the
+/// configuration [says so](BuildConfig::spatial_splits).
+///
+/// # Errors
+/// As [`build_observed`].
+pub fn build_split(
+    bounds: &[Bounds3],
+    clipped: &ClippedBounds,
+    config: &BuildConfig,
+    observer: &dyn BuildObserver,
+) -> Result<Tree, BuildError> {
+    build_clipped(bounds, Some(clipped), config, observer)
+}
+
+fn build_clipped(
+    bounds: &[Bounds3],
+    clipped: Option<&ClippedBounds>,
+    config: &BuildConfig,
+    observer: &dyn BuildObserver,
+) -> Result<Tree, BuildError> {
     config.validate()?;
-    check_count(bounds.len())?;
     let mut prims = observed(observer, Phase::Bounds, || PrimInfo::active(bounds));
-    let inactive = bounds.len() - prims.len();
-    let (mut nodes, mut order) = match config.reinsertion {
-        None => grow(&mut prims, config, observer),
-        // Subtrees can only be moved where they are not leaves yet.
-        Some(_) => grow(&mut prims, &config.with_max_primitives_in_leaf(1), observer),
+    let active = prims.len();
+    let splits = config.spatial_splits.filter(|_| config.split_method == SplitMethod::Sah).zip(clipped);
+    let room = splits.map_or(0, |(splits, _)| splits.room(active));
+    check_count(bounds.len().saturating_add(room))?;
+    // With reinsertion: which primitives a leaf should have is known better from below.
+    let max_in_leaf = if config.reinsertion.is_some() { 1 } else { config.max_primitives_in_leaf };
+    let growth = config.with_max_primitives_in_leaf(max_in_leaf);
+    let (mut nodes, mut order) = match splits {
+        Some((splits, clipped)) if active > 0 => {
+            prims.resize(active + room, PrimInfo::ZERO);
+            grow_split(&mut prims, active, &splits, clipped, &growth, observer)
+        }
+        _ => grow(&mut prims, &growth, observer),
     };
     drop(prims);
     if let Some(reinsertion) = &config.reinsertion {
         (nodes, order) = observed(observer, Phase::Reinsertion, || {
-            let (nodes, order) = reinsertion::optimize(nodes, order, reinsertion, observer);
-            merge::leaves(nodes, order, config)
+            // Before and not after: the trees cost the same, and a third of the build's time is saved.
+            let (nodes, order) = merge::leaves(nodes, order, config);
+            reinsertion::optimize(nodes, order, reinsertion, observer)
         });
     }
-    Ok(finish(nodes, order, inactive, config, observer))
+    Ok(finish(nodes, order, [active, bounds.len()], config, observer))
 }
 
 impl Tree {
@@ -61,12 +95,13 @@ impl Tree {
     /// [`BuildError::InvalidConfig`].
     pub fn optimized(self, config: &BuildConfig, observer: &dyn BuildObserver) -> Result<Self, BuildError> {
         config.validate()?;
-        let inactive = self.statistics().inactive_count as usize;
+        let TreeStatistics { active_count, inactive_count, .. } = *self.statistics();
         let (nodes, order) = self.into_parts();
         let options = config.reinsertion.unwrap_or_default();
         let (nodes, order) =
             observed(observer, Phase::Reinsertion, || reinsertion::optimize(nodes, order, &options, observer));
-        Ok(finish(nodes, order, inactive, config, observer))
+        let counts = [active_count, active_count + inactive_count].map(|count| count as usize);
+        Ok(finish(nodes, order, counts, config, observer))
     }
 }
 
@@ -84,15 +119,32 @@ fn grow(prims: &mut Vec<PrimInfo>, config: &BuildConfig, observer: &dyn BuildObs
     observed(observer, Phase::Assembly, || root.assemble(prims))
 }
 
-/// The tree of `nodes` with its statistics, as the observer is told.
+/// As [`grow`], where space may be split: the first `count` of `room` are references to all of the primitives.
+fn grow_split(
+    room: &mut [PrimInfo],
+    count: usize,
+    splits: &SpatialSplits,
+    clipped: &ClippedBounds,
+    config: &BuildConfig,
+    observer: &dyn BuildObserver,
+) -> (Vec<Node>, Vec<u32>) {
+    let root = observed(observer, Phase::Recursion, || {
+        let extent = Extent::of(&room[..count]);
+        let setting = spatial::Setting::new(config, MAX_DEPTH, splits, clipped, &extent);
+        Subtree::grow(spatial::Group::new(room, count, extent, &setting), 1)
+    });
+    observed(observer, Phase::Assembly, || root.assemble(room))
+}
+
+/// The tree of `nodes` with its statistics, as the observer is told; `counts` are those of active primitives and of all.
 fn finish(
     nodes: Vec<Node>,
     order: Vec<u32>,
-    inactive: usize,
+    counts: [usize; 2],
     config: &BuildConfig,
     observer: &dyn BuildObserver,
 ) -> Tree {
-    let tree = observed(observer, Phase::Statistics, || Tree::new(nodes, order, inactive, config));
+    let tree = observed(observer, Phase::Statistics, || Tree::new(nodes, order, counts, config));
     observer.built(tree.statistics());
     tree
 }

@@ -1,6 +1,6 @@
 //! How a tree is to be built.
 
-use crate::{BuildError, Reinsertion};
+use crate::{BuildError, Reinsertion, SpatialSplits};
 
 /// How a node's primitives are divided between its children: pbrt's four ways.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -75,6 +75,11 @@ pub struct BuildConfig {
     pub traversal_cost: f32,
     /// The chapter's t_isect: the cost of testing one primitive. Finite, not negative; default 1.
     pub intersection_cost: f32,
+    /// The cost of visiting a leaf, beside that of its primitives; where several are tested at once it is the larger part.
+    /// Counted where leaves are merged for [`reinsertion`](Self::reinsertion), and in the statistics. Splitting a node
+    /// leaves it out: as long as there are many primitives, what they are divided into is no leaf. Finite, not negative;
+    /// default 0.
+    pub leaf_cost: f32,
     /// Into how many buckets the interval of a node's centroids is divided, wherever a node is split by the surface area
     /// heuristic: by [`SplitMethod::Sah`], and above the treelets of [`SplitMethod::Hlbvh`]. More of them find cheaper
     /// splits and take longer to search. Between 2 and 64; default 12, as in pbrt.
@@ -84,10 +89,12 @@ pub struct BuildConfig {
     /// The length of the Morton codes; only [`SplitMethod::Hlbvh`] uses it.
     pub morton_bits: MortonBits,
     /// Whether the tree is optimised by reinsertion, and for how long. With it, a build first makes leaves of one
-    /// primitive each, whatever the method; moves subtrees; and then merges leaves, up to
-    /// [`max_primitives_in_leaf`](Self::max_primitives_in_leaf), where the heuristic says that this is cheaper. Default
-    /// `None`.
+    /// primitive each, whatever the method; merges them, up to [`max_primitives_in_leaf`](Self::max_primitives_in_leaf),
+    /// where the heuristic says that this is cheaper; and then moves subtrees. Default `None`.
     pub reinsertion: Option<Reinsertion>,
+    /// Whether nodes may be divided by planes that cut primitives. Only [`SplitMethod::Sah`] does so, and only where the
+    /// builder can ask for the parts of a primitive ([`build_split`](crate::build_split)). Default `None`.
+    pub spatial_splits: Option<SpatialSplits>,
 }
 
 impl Default for BuildConfig {
@@ -110,10 +117,12 @@ impl BuildConfig {
             max_primitives_in_leaf: 4,
             traversal_cost: 0.5,
             intersection_cost: 1.0,
+            leaf_cost: 0.0,
             buckets: 12,
             axes: SplitAxes::Dominant,
             morton_bits: MortonBits::Auto,
             reinsertion: None,
+            spatial_splits: None,
         }
     }
 
@@ -122,12 +131,14 @@ impl BuildConfig {
         Self::new(SplitMethod::Sah).with_buckets(32).with_axes(SplitAxes::All)
     }
 
-    /// A better tree in about twice to three times the time: [`SplitMethod::Sah`] over 64 buckets on all axes, then
-    /// [`Reinsertion`].
+    /// A better tree: [`SplitMethod::Sah`] over 64 buckets on all axes, then [`Reinsertion`], in one and a half to two times
+    /// the time of [`balanced`](Self::balanced); and where the builder can ask for the parts of primitives, with
+    /// [`SpatialSplits`], in three to six times that time.
     pub const fn high_quality() -> Self {
         Self::new(SplitMethod::Sah)
             .with_buckets(64)
             .with_axes(SplitAxes::All)
+            .with_spatial_splits(Some(SpatialSplits::new(1e-5, 0.1)))
             .with_reinsertion(Some(Reinsertion::new(3, 0.1)))
     }
 
@@ -139,6 +150,11 @@ impl BuildConfig {
     /// The same with other costs: t_trav and t_isect.
     pub const fn with_costs(self, traversal_cost: f32, intersection_cost: f32) -> Self {
         Self { traversal_cost, intersection_cost, ..self }
+    }
+
+    /// The same with another [`leaf_cost`](Self::leaf_cost).
+    pub const fn with_leaf_cost(self, leaf_cost: f32) -> Self {
+        Self { leaf_cost, ..self }
     }
 
     /// The same with another number of [`buckets`](Self::buckets).
@@ -161,6 +177,16 @@ impl BuildConfig {
         Self { reinsertion, ..self }
     }
 
+    /// What a ray pays for meeting a leaf of `count` primitives.
+    pub(crate) fn cost_of_leaf(&self, count: u32) -> f64 {
+        f64::from(self.leaf_cost) + f64::from(count) * f64::from(self.intersection_cost)
+    }
+
+    /// The same with or without spatial splits.
+    pub const fn with_spatial_splits(self, spatial_splits: Option<SpatialSplits>) -> Self {
+        Self { spatial_splits, ..self }
+    }
+
     pub(crate) fn validate(&self) -> Result<(), BuildError> {
         if !(1..=MAX_LEAF).contains(&self.max_primitives_in_leaf) {
             return Err(BuildError::InvalidConfig {
@@ -176,14 +202,17 @@ impl BuildConfig {
                 requirement: "between 2 and 64",
             });
         }
-        for (parameter, value) in
-            [("traversal_cost", self.traversal_cost), ("intersection_cost", self.intersection_cost)]
-        {
+        for (parameter, value) in [
+            ("traversal_cost", self.traversal_cost),
+            ("intersection_cost", self.intersection_cost),
+            ("leaf_cost", self.leaf_cost),
+        ] {
             if !(value.is_finite() && value >= 0.0) {
                 let requirement = "finite and not negative";
                 return Err(BuildError::InvalidConfig { parameter, value, requirement });
             }
         }
+        self.spatial_splits.map_or(Ok(()), |splits| splits.validate())?;
         self.reinsertion.map_or(Ok(()), |reinsertion| reinsertion.validate())
     }
 }
@@ -199,6 +228,7 @@ mod tests {
         assert_eq!(BuildConfig::balanced().validate(), Ok(()));
         assert_eq!(BuildConfig::high_quality().validate(), Ok(()));
         assert_eq!(BuildConfig::high_quality().reinsertion, Some(Reinsertion::default()));
+        assert_eq!(BuildConfig::high_quality().spatial_splits, Some(SpatialSplits::default()));
         assert_eq!(BuildConfig::default().with_reinsertion(Some(Reinsertion::new(0, 1.0))).validate(), Ok(()));
         for bad in [
             BuildConfig::default().with_max_primitives_in_leaf(0),
@@ -208,6 +238,11 @@ mod tests {
             BuildConfig::default().with_costs(-1.0, 1.0),
             BuildConfig::default().with_costs(f32::NAN, 1.0),
             BuildConfig::default().with_costs(1.0, f32::INFINITY),
+            BuildConfig::default().with_leaf_cost(-0.5),
+            BuildConfig::default().with_spatial_splits(Some(SpatialSplits::new(-1e-5, 0.2))),
+            BuildConfig::default().with_spatial_splits(Some(SpatialSplits::new(f32::NAN, 0.2))),
+            BuildConfig::default().with_spatial_splits(Some(SpatialSplits::new(1e-5, 4.0_f32.next_up()))),
+            BuildConfig::default().with_spatial_splits(Some(SpatialSplits::new(1e-5, f32::NAN))),
             BuildConfig::default().with_reinsertion(Some(Reinsertion::new(1, 0.0))),
             BuildConfig::default().with_reinsertion(Some(Reinsertion::new(1, 1.0_f32.next_up()))),
             BuildConfig::default().with_reinsertion(Some(Reinsertion::new(1, f32::NAN))),

@@ -37,7 +37,8 @@
 //!
 //! Beyond the chapter, [`Reinsertion`] takes subtrees of a finished tree out and puts them back where they cost less
 //! (Meister and Bittner 2018): as a step of the build, of which [`BuildConfig::high_quality`] is an example, or for as
-//! long as an observer lets it ([`Tree::optimized`]).
+//! long as an observer lets it ([`Tree::optimized`]). And with [`SpatialSplits`] a node may be divided by a plane that cuts
+//! primitives, which are then in several leaves (Stich, Friedrich and Dietrich 2009; [`build_split`]).
 //!
 //! ```
 //! use bvh_build::geometry::{Bounds3, glam::Vec3};
@@ -75,15 +76,17 @@ mod prim_info;
 mod recursive;
 mod reinsertion;
 mod small;
+mod spatial;
 mod split;
 mod subtree;
 mod tree;
 
-pub use builder::{build, build_observed};
+pub use builder::{build, build_observed, build_split};
 pub use config::{BuildConfig, MortonBits, SplitAxes, SplitMethod};
 pub use depth::MAX_DEPTH;
 pub use error::BuildError;
 pub use geometry;
 pub use observer::{BuildObserver, Phase};
 pub use reinsertion::{Reinsertion, ReinsertionProgress};
+pub use spatial::{ClippedBounds, SpatialSplits};
 pub use tree::{Node, NodeKind, Tree, TreeStatistics};

@@ -1,15 +1,17 @@
 //! Leaves of several primitives, where these cost less than a subtree.
 
+use crate::subtree::append_leaf;
 use crate::{BuildConfig, Node, NodeKind};
 
 /// The tree of `nodes` and `order` with each subtree made a leaf whose primitives are cheaper to test at once, and fit
 /// a leaf: the largest such subtrees, of equal costs the leaf. Costs are those of the surface area heuristic.
-pub(crate) fn leaves(mut nodes: Vec<Node>, mut order: Vec<u32>, config: &BuildConfig) -> (Vec<Node>, Vec<u32>) {
+pub(crate) fn leaves(mut nodes: Vec<Node>, old_order: Vec<u32>, config: &BuildConfig) -> (Vec<Node>, Vec<u32>) {
     if config.max_primitives_in_leaf == 1 {
-        return (nodes, order);
+        return (nodes, old_order);
     }
     let subtrees = rate(&nodes, config);
     let mut kept = 0;
+    let mut order = Vec::with_capacity(old_order.len());
     // Interior nodes whose second child is to come, the next one last: where they were to find it, and where they are.
     let mut pending: Vec<(usize, usize)> = Vec::new();
     let mut next = 0;
@@ -28,8 +30,8 @@ pub(crate) fn leaves(mut nodes: Vec<Node>, mut order: Vec<u32>, config: &BuildCo
             }
             _ => {
                 next += subtree.node_count as usize;
-                let (first, count) = (subtree.first, subtree.count);
-                order[first as usize..][..count as usize].sort_unstable();
+                let primitives = &old_order[subtree.first as usize..][..subtree.count as usize];
+                let (first, count) = append_leaf(&mut order, primitives.iter().copied());
                 NodeKind::Leaf { first, count }
             }
         };
@@ -54,11 +56,11 @@ struct Subtree {
 }
 
 fn rate(nodes: &[Node], config: &BuildConfig) -> Vec<Subtree> {
-    let [t_trav, t_isect] = [config.traversal_cost, config.intersection_cost].map(f64::from);
+    let t_trav = f64::from(config.traversal_cost);
     let mut subtrees = vec![Subtree::default(); nodes.len()];
     for (i, node) in nodes.iter().enumerate().rev() {
         let area = node.bounds.surface_area();
-        let as_leaf = |count: u32| area * f64::from(count) * t_isect;
+        let as_leaf = |count: u32| area * config.cost_of_leaf(count);
         subtrees[i] = match node.kind {
             NodeKind::Leaf { first, count } => {
                 Subtree { node_count: 1, first, count, is_leaf: true, cost: as_leaf(count) }
@@ -85,14 +87,15 @@ mod tests {
 
     /// The least cost of a tree whose leaves are subtrees of this one, times the area, and how many leaves it has.
     fn naive(nodes: &[Node], i: usize, config: &BuildConfig) -> (f64, u32, u32) {
-        let [t_trav, t_isect] = [config.traversal_cost, config.intersection_cost].map(f64::from);
+        let [t_trav, t_isect, t_leaf] =
+            [config.traversal_cost, config.intersection_cost, config.leaf_cost].map(f64::from);
         let area = nodes[i].bounds.surface_area();
         match nodes[i].kind {
-            NodeKind::Leaf { count, .. } => (area * f64::from(count) * t_isect, count, 1),
+            NodeKind::Leaf { count, .. } => (area * (f64::from(count) * t_isect + t_leaf), count, 1),
             NodeKind::Interior { second_child, .. } => {
                 let [a, b] = [i + 1, second_child as usize].map(|child| naive(nodes, child, config));
                 let count = a.1 + b.1;
-                let [split, leaf] = [area * t_trav + a.0 + b.0, area * f64::from(count) * t_isect];
+                let [split, leaf] = [area * t_trav + a.0 + b.0, area * (f64::from(count) * t_isect + t_leaf)];
                 if count <= config.max_primitives_in_leaf && leaf <= split {
                     (leaf, count, 1)
                 } else {
@@ -115,10 +118,11 @@ mod tests {
             let bounds: Vec<_> = (0..n).map(|_| Bounds3::from_points([point(), point()])).collect();
             let fine = build(&bounds, &BuildConfig::default().with_max_primitives_in_leaf(1)).expect("valid");
             for leaf in [1, 2, 4, 100] {
-                for costs in [(0.5, 1.0), (2.0, 1.0), (0.0, 1.0)] {
-                    let config = BuildConfig::default().with_max_primitives_in_leaf(leaf).with_costs(costs.0, costs.1);
+                for (t_trav, t_isect, t_leaf) in [(0.5, 1.0, 0.0), (2.0, 1.0, 0.0), (0.0, 1.0, 0.0), (0.3, 0.1, 1.5)] {
+                    let config = BuildConfig::default().with_max_primitives_in_leaf(leaf);
+                    let config = config.with_costs(t_trav, t_isect).with_leaf_cost(t_leaf);
                     let (nodes, order) = leaves(fine.nodes().to_vec(), fine.order().to_vec(), &config);
-                    let coarse = crate::Tree::new(nodes, order, 0, &config);
+                    let coarse = crate::Tree::new(nodes, order, [n as usize; 2], &config);
                     let statistics = coarse.statistics();
                     if n > 0 {
                         let (cost, count, leaf_count) = naive(fine.nodes(), 0, &config);

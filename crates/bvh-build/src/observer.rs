@@ -23,7 +23,7 @@ pub enum Phase {
     UpperTree,
     /// Putting all nodes into one array, depth first.
     Assembly,
-    /// Moving subtrees to better places ([`Reinsertion`](crate::Reinsertion)), and merging leaves after it.
+    /// Merging leaves, and then moving subtrees to better places ([`Reinsertion`](crate::Reinsertion)).
     Reinsertion,
     /// Computing the statistics.
     Statistics,

@@ -77,10 +77,26 @@ impl Bounds3A {
         Self { min: self.min.min(p), max: self.max.max(p) }
     }
 
+    /// What is common to both; may be empty.
+    pub(crate) fn intersection(&self, other: &Self) -> Self {
+        Self { min: self.min.max(other.min), max: self.max.min(other.max) }
+    }
+
+    /// The surface area; 0 where empty.
+    pub(crate) fn area_or_zero(&self) -> f64 {
+        if self.min.cmple(self.max).all() { self.surface_area() } else { 0.0 }
+    }
+
     /// The surface area of bounds that are not empty; exact up to f64 rounding.
     pub(crate) fn surface_area(&self) -> f64 {
         let d = self.max.as_dvec3() - self.min.as_dvec3();
         2.0 * (d.x * d.y + d.y * d.z + d.z * d.x)
+    }
+}
+
+impl From<Bounds3> for Bounds3A {
+    fn from(bounds: Bounds3) -> Self {
+        Self { min: bounds.min.into(), max: bounds.max.into() }
     }
 }
 

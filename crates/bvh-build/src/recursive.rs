@@ -68,10 +68,21 @@ impl Part for Group<'_> {
     }
 
     fn finish(&mut self, depth: u32, nodes: &mut Vec<Node>) -> Option<u32> {
-        let config = &self.rules.config;
-        let is_swept = config.split_method == SplitMethod::Sah
-            && config.axes == SplitAxes::All
-            && self.prims.len() <= config.buckets as usize;
-        is_swept.then(|| small::grow(self.prims, self.first, self.rules, depth, nodes))
+        finish(self.prims, self.first, self.rules, depth, nodes)
     }
+}
+
+/// Appends the subtree of a few primitives that are swept along all axes; see [`Part::finish`].
+pub(crate) fn finish(
+    prims: &mut [PrimInfo],
+    first: usize,
+    rules: &Rules,
+    depth: u32,
+    nodes: &mut Vec<Node>,
+) -> Option<u32> {
+    let config = &rules.config;
+    let is_swept = config.split_method == SplitMethod::Sah
+        && config.axes == SplitAxes::All
+        && prims.len() <= config.buckets as usize;
+    is_swept.then(|| small::grow(prims, first, rules, depth, nodes))
 }

@@ -150,9 +150,7 @@ impl Subtree {
                         NodeKind::Interior { second_child, .. } => *second_child += offset,
                         NodeKind::Leaf { first, count } => {
                             let leaf = *first as usize..*first as usize + *count as usize;
-                            *first = order.len() as u32;
-                            order.extend(prims[leaf].iter().map(|p| p.index));
-                            order[*first as usize..].sort_unstable();
+                            (*first, *count) = append_leaf(order, prims[leaf].iter().map(|p| p.index));
                         }
                     }
                     node
@@ -168,6 +166,22 @@ impl Subtree {
             }
         }
     }
+}
+
+/// Appends the primitives of a leaf, by index and each once: where they begin, and how many they are.
+pub(crate) fn append_leaf(order: &mut Vec<u32>, indices: impl Iterator<Item = u32>) -> (u32, u32) {
+    let first = order.len();
+    order.extend(indices);
+    order[first..].sort_unstable();
+    let mut end = first;
+    for i in first..order.len() {
+        if i == first || order[i] != order[end - 1] {
+            order[end] = order[i];
+            end += 1;
+        }
+    }
+    order.truncate(end);
+    (first as u32, (end - first) as u32)
 }
 
 /// A leaf.

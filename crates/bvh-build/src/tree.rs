@@ -9,6 +9,9 @@ use crate::BuildConfig;
 /// Every node's bounds contain those of its children, and a leaf's bounds contain those of its primitives, exactly;
 /// they are the smallest that do. Every active primitive is in one leaf. No path has more than
 /// [`MAX_DEPTH`](crate::MAX_DEPTH) nodes, and n primitives make at most 2n − 1 of them.
+///
+/// Where space was [split](crate::SpatialSplits), a primitive may be in several leaves, in none of them twice: each has the
+/// part of it that is within its bounds, and together all of it. Then n counts these references.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tree {
     nodes: Vec<Node>,
@@ -58,19 +61,29 @@ pub struct TreeStatistics {
     pub largest_leaf: u32,
     /// How many primitives are in the tree.
     pub active_count: u32,
+    /// How many references to them the leaves have: more than primitives where [space was
+    /// split](crate::SpatialSplits).
+    pub reference_count: u32,
     /// How many are not: their bounds are empty, NaN or outside of the domain ([`Bounds3::is_valid`]).
     pub inactive_count: u32,
     /// The expected cost of a random ray that meets the tree's bounds, by the surface area heuristic and with the
-    /// costs of the configuration: the sum of p · t_trav over the interior nodes and of p · n · t_isect over the
-    /// leaves, where p is a node's area as a part of the root's. Where the root has no area, p is 1. Always finite.
+    /// costs of the configuration: the sum of p · t_trav over the interior nodes and of p · (t_leaf + n · t_isect) over
+    /// the leaves, where p is a node's area as a part of the root's. Where the root has no area, p is 1. Always finite.
     pub sah_cost: f64,
 }
 
 impl Tree {
-    pub(crate) fn new(nodes: Vec<Node>, order: Vec<u32>, inactive_count: usize, config: &BuildConfig) -> Self {
+    /// With the statistics; `active_count` of `primitive_count` primitives are in it.
+    pub(crate) fn new(
+        nodes: Vec<Node>,
+        order: Vec<u32>,
+        [active_count, primitive_count]: [usize; 2],
+        config: &BuildConfig,
+    ) -> Self {
         let statistics = TreeStatistics {
-            active_count: order.len() as u32,
-            inactive_count: inactive_count as u32,
+            active_count: active_count as u32,
+            inactive_count: (primitive_count - active_count) as u32,
+            reference_count: order.len() as u32,
             ..TreeStatistics::of(&nodes, config)
         };
         Self { nodes, order, statistics }
@@ -82,7 +95,7 @@ impl Tree {
         &self.nodes
     }
 
-    /// The indices of the active primitives, leaf by leaf in the order of the nodes.
+    /// The indices of the active primitives, leaf by leaf in the order of the nodes, each as often as it is in a leaf.
     pub fn order(&self) -> &[u32] {
         &self.order
     }
@@ -111,7 +124,7 @@ impl TreeStatistics {
     /// The statistics of `nodes`, without those of primitives.
     fn of(nodes: &[Node], config: &BuildConfig) -> Self {
         let root_area = nodes.first().map_or(0.0, |root| root.bounds.surface_area());
-        let [t_trav, t_isect] = [config.traversal_cost, config.intersection_cost].map(f64::from);
+        let t_trav = f64::from(config.traversal_cost);
         let mut statistics = Self { node_count: nodes.len() as u32, ..Self::default() };
         // The second children to come, the next one last, with their depths.
         let mut pending: Vec<(usize, u32)> = Vec::new();
@@ -128,7 +141,7 @@ impl TreeStatistics {
                 NodeKind::Leaf { count, .. } => {
                     statistics.leaf_count += 1;
                     statistics.largest_leaf = statistics.largest_leaf.max(count);
-                    p * f64::from(count) * t_isect
+                    p * config.cost_of_leaf(count)
                 }
             };
         }

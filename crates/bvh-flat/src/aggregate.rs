@@ -108,8 +108,8 @@ impl<P: Primitive> BvhAggregate<P> {
 struct Places;
 
 impl LeafWriter for Places {
-    fn write(&self, range: Range<usize>, _: &mut Vec<Line>) -> usize {
-        range.start
+    fn write(&self, range: Range<usize>, _: &mut Vec<Line>) -> (usize, usize) {
+        (range.start, range.len())
     }
 
     /// A member is asked on its own, and most have a tree of their own.

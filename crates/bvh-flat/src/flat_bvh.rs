@@ -17,6 +17,7 @@ pub struct FlatBvh {
     nodes: Vec<LinearBvhNode>,
     order: Vec<u32>,
     primitive_count: u32,
+    extra_references: u32,
 }
 
 impl FlatBvh {
@@ -29,15 +30,34 @@ impl FlatBvh {
     /// `primitive_count`, none twice; all boxes are [valid](Bounds3::is_valid) and lie in their parent's; no path is
     /// longer than [`MAX_DEPTH`]; axes are below 3 and padding is zero.
     pub fn from_parts(nodes: Vec<LinearBvhNode>, order: Vec<u32>, primitive_count: u32) -> Result<Self, InvalidBvh> {
-        validate(&nodes, &order, primitive_count)?;
-        Ok(Self { nodes, order, primitive_count })
+        Self::from_split_parts(nodes, order, primitive_count, 0)
     }
 
-    /// A tree whose maker upholds what [`from_parts`](Self::from_parts) checks.
+    /// The same for a tree whose space may have been split, so that primitives stand in the order more than once:
+    /// altogether `extra_references` times more than once at most.
+    ///
+    /// # Errors
+    /// As [`from_parts`](Self::from_parts), but for that.
+    pub fn from_split_parts(
+        nodes: Vec<LinearBvhNode>,
+        order: Vec<u32>,
+        primitive_count: u32,
+        extra_references: u32,
+    ) -> Result<Self, InvalidBvh> {
+        validate(&nodes, &order, primitive_count, extra_references)?;
+        Ok(Self { nodes, order, primitive_count, extra_references })
+    }
+
+    /// A tree whose maker upholds what [`from_split_parts`](Self::from_split_parts) checks.
     #[cfg(feature = "build")]
-    pub(crate) fn from_valid_parts(nodes: Vec<LinearBvhNode>, order: Vec<u32>, primitive_count: u32) -> Self {
-        debug_assert_eq!(validate(&nodes, &order, primitive_count), Ok(()));
-        Self { nodes, order, primitive_count }
+    pub(crate) fn from_valid_parts(
+        nodes: Vec<LinearBvhNode>,
+        order: Vec<u32>,
+        primitive_count: u32,
+        extra_references: u32,
+    ) -> Self {
+        debug_assert_eq!(validate(&nodes, &order, primitive_count, extra_references), Ok(()));
+        Self { nodes, order, primitive_count, extra_references }
     }
 
     /// The nodes, the root first.
@@ -53,6 +73,12 @@ impl FlatBvh {
     /// How many primitives the tree was built over, counting the inactive.
     pub fn primitive_count(&self) -> u32 {
         self.primitive_count
+    }
+
+    /// How many places of the order may have a primitive that stands there before. If any, a leaf need not contain its
+    /// primitives, but only the parts of them that are in no other leaf.
+    pub fn extra_references(&self) -> u32 {
+        self.extra_references
     }
 
     /// The box around everything; empty for an empty tree.

@@ -23,7 +23,8 @@ impl FlatBvh {
         let nodes = tree.nodes().iter().map(linear_node).collect();
         let statistics = tree.statistics();
         let primitive_count = statistics.active_count + statistics.inactive_count;
-        Self::from_valid_parts(nodes, tree.into_order(), primitive_count)
+        let extra_references = statistics.reference_count - statistics.active_count;
+        Self::from_valid_parts(nodes, tree.into_order(), primitive_count, extra_references)
     }
 }
 

@@ -47,9 +47,9 @@ pub enum InvalidBvh {
         /// How many places the leaves have.
         covered: usize,
     },
-    /// A primitive that does not exist, or stands twice in the order.
+    /// A primitive that does not exist, or stands in the order once more than it may.
     #[error(
-        "place {place} of the order: primitive {primitive} of {primitive_count} does not exist or stands there twice"
+        "place {place} of the order: primitive {primitive} of {primitive_count} does not exist or stands there too often"
     )]
     Order {
         /// The place.
@@ -90,7 +90,12 @@ pub enum InvalidBvh {
 
 /// Walks the nodes in their order. Depth first means: behind a leaf comes the second child of the innermost interior
 /// node whose first child is complete; a stack of the expected second children proves it.
-pub(crate) fn validate(nodes: &[LinearBvhNode], order: &[u32], primitive_count: u32) -> Result<(), InvalidBvh> {
+pub(crate) fn validate(
+    nodes: &[LinearBvhNode],
+    order: &[u32],
+    primitive_count: u32,
+    extra_references: u32,
+) -> Result<(), InvalidBvh> {
     // Interior nodes whose second child is to come, with their depth.
     let mut pending: Vec<(usize, usize)> = Vec::with_capacity(MAX_DEPTH);
     let mut parent: Option<(usize, usize)> = None;
@@ -140,18 +145,21 @@ pub(crate) fn validate(nodes: &[LinearBvhNode], order: &[u32], primitive_count: 
     if covered != order.len() {
         return Err(InvalidBvh::OrderTooLong { order_len: order.len(), covered });
     }
-    validate_order(order, primitive_count)
+    validate_order(order, primitive_count, extra_references)
 }
 
-/// Each primitive at most once: one bit for each. Refused before the bits are allocated if the counts cannot be.
-fn validate_order(order: &[u32], primitive_count: u32) -> Result<(), InvalidBvh> {
+/// Each primitive at most once, but for so many times: one bit for each. Refused before the bits are allocated if the counts
+/// cannot be.
+fn validate_order(order: &[u32], primitive_count: u32, mut extra_references: u32) -> Result<(), InvalidBvh> {
     let largest = order.iter().copied().max().map_or(0, |p| p as usize + 1);
     let mut seen = vec![0_u64; largest.min(primitive_count as usize).div_ceil(64)];
     for (place, &primitive) in order.iter().enumerate() {
         let (word, bit) = (primitive as usize / 64, 1_u64 << (primitive % 64));
-        if primitive >= primitive_count || seen[word] & bit != 0 {
+        let is_extra = primitive < primitive_count && seen[word] & bit != 0;
+        if primitive >= primitive_count || (is_extra && extra_references == 0) {
             return Err(InvalidBvh::Order { place, primitive, primitive_count });
         }
+        extra_references -= u32::from(is_extra);
         seen[word] |= bit;
     }
     Ok(())
@@ -170,6 +178,10 @@ impl FlatBvh {
             return Err(InvalidBvh::Geometry(format!(
                 "built over {built_over} primitives, there are {primitive_count}"
             )));
+        }
+        if self.extra_references() > 0 {
+            let message = "its leaves contain parts of primitives, but these are asked as a whole";
+            return Err(InvalidBvh::Geometry(message.into()));
         }
         for leaf in self.nodes().iter().filter(|node| node.is_leaf()) {
             for &primitive in &self.order()[leaf.range()] {
@@ -211,6 +223,19 @@ mod tests {
     }
 
     type Damage = fn(&mut Vec<LinearBvhNode>, &mut Vec<u32>);
+
+    #[test]
+    fn primitives_may_stand_more_than_once_where_that_is_said() {
+        let (nodes, mut order) = tree();
+        order[3] = 2;
+        for (extra_references, is_valid) in [(0, false), (1, true), (u32::MAX, true)] {
+            let flat = FlatBvh::from_split_parts(nodes.clone(), order.clone(), 4, extra_references);
+            assert_eq!(flat.is_ok(), is_valid, "{extra_references}");
+            assert!(flat.is_err() || flat.is_ok_and(|flat| flat.validate_against(4, |_| unit(0.0, 1.0)).is_err()));
+        }
+        order[1] = 2;
+        assert!(FlatBvh::from_split_parts(nodes, order, 4, 1).is_err());
+    }
 
     #[test]
     fn a_tree_is_accepted_and_each_damage_refused() {

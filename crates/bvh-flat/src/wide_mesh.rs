@@ -10,13 +10,18 @@ use rayon::iter::{IndexedParallelIterator, ParallelIterator};
 #[cfg(feature = "parallel")]
 use rayon::slice::{ParallelSlice, ParallelSliceMut};
 
+#[cfg(feature = "build")]
+use geometry::clipped_triangle_bounds;
+
+#[cfg(feature = "build")]
+use crate::simd::LANES;
 use crate::simd::SimdWidth;
 use crate::wide::{
     All, Answered, AnyQuery, Blocks, ClosestQuery, Compact, LARGE, Layout, Many, One, TriangleWriter, Triangles,
     collapse,
 };
 #[cfg(feature = "build")]
-use crate::wide::{FullNode, MAX_LINES, WideNode};
+use crate::wide::{FullNode, LEAF_COST, MAX_LINES, TRIANGLE_COST, WideNode};
 #[cfg(feature = "build")]
 use crate::{BuildConfig, BuildError, BuildObserver};
 use crate::{FlatBvh, MeshBvh, RaySegment};
@@ -63,9 +68,25 @@ impl WideLayout {
     }
 }
 
+/// How the binary tree is built that is to be collapsed: from single primitives; but where subtrees are moved, of whole
+/// leaves, by what these cost in a wide tree. A node with eight children costs 1, so a binary one about a third of that.
+///
+/// Moving the primitives one by one makes no better trees, takes a third of the build's time more, and leaves smaller
+/// leaves behind: kitchen has 58.2 bytes a triangle instead of 55.8.
+#[cfg(feature = "build")]
+fn binary_config(config: &BuildConfig) -> BuildConfig {
+    match config.reinsertion {
+        None => config.with_max_primitives_in_leaf(1),
+        Some(_) => config
+            .with_max_primitives_in_leaf(LANES as u32)
+            .with_costs(0.3, TRIANGLE_COST as f32)
+            .with_leaf_cost(LEAF_COST as f32),
+    }
+}
+
 impl WideMesh {
-    /// Builds a tree over `mesh`. The leaves are made by cost, of at most eight triangles, whatever
-    /// `config.max_primitives_in_leaf` says.
+    /// Builds a tree over `mesh`. The leaves are made by what they cost in a wide tree, of at most eight triangles, whatever
+    /// `config.max_primitives_in_leaf` and the costs of `config` say.
     ///
     /// # Errors
     /// [`BuildError`] for a configuration that the builder refuses, or a mesh whose tree would be larger than 16 GiB.
@@ -87,7 +108,9 @@ impl WideMesh {
     ) -> Result<Self, BuildError> {
         let mesh = mesh.into();
         let bounds: Vec<Bounds3> = (0..mesh.len()).map(|i| mesh.triangle_bounds(i)).collect();
-        let bvh = FlatBvh::build(&bounds, &config.with_max_primitives_in_leaf(1), observer)?;
+        let clipped = |i: u32, to: &Bounds3| clipped_triangle_bounds(&mesh.vertices(i as usize), to);
+        let tree = bvh_build::build_split(&bounds, &clipped, &binary_config(config), observer)?;
+        let bvh = FlatBvh::from_tree(tree);
         // At most a line for each triangle and a node for each but one always fit; most meshes need a fifth of that.
         let limit = MAX_LINES / (1 + FullNode::LINES);
         Self::from_tree(&mesh, &bvh, layout).ok_or(BuildError::TooManyPrimitives { count: mesh.len(), limit })

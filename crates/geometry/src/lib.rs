@@ -15,6 +15,7 @@
 mod animated_transform;
 mod axis;
 mod bounds3;
+mod clipped;
 pub mod exact;
 mod hit;
 mod interval;
@@ -32,6 +33,7 @@ mod triangle_mesh;
 pub use animated_transform::{AnimatedTransform, AnimatedTransformError, Keyframe};
 pub use axis::Axis;
 pub use bounds3::Bounds3;
+pub use clipped::clipped_triangle_bounds;
 pub use glam;
 pub use hit::{ClosestHit, FirstHit, Hit, HitVisitor, MappedVisitor, Visit, Work};
 pub use interval::Interval;

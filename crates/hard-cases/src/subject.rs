@@ -38,7 +38,8 @@ pub struct Library {
 
 impl Subject for Library {
     fn name(&self) -> String {
-        format!("wide, exact, {}", self.config.split_method.name())
+        let splits = if self.config.spatial_splits.is_some() { ", space split" } else { "" };
+        format!("wide, exact, {}{splits}", self.config.split_method.name())
     }
 
     fn shape(&self, mesh: Arc<TriangleMesh>) -> Result<AnyShape, BuildError> {

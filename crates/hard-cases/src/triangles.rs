@@ -64,10 +64,20 @@ mod tests {
     use super::*;
     use crate::boxes::assert_passes;
     use crate::{BINARY_OPEN, BinaryWatertight, Library, OPEN};
+    use bvh_flat::BuildConfig;
+    use bvh_flat::bvh_build::SpatialSplits;
 
     #[test]
     fn the_library_passes_all_but_the_open_ones() {
         assert_passes(&Library::default(), CASES, &OPEN);
+    }
+
+    /// Splits wherever they gain anything, so that small meshes have them too.
+    #[test]
+    fn the_library_passes_them_where_space_is_split() {
+        let eager = SpatialSplits::new(0.0, 1.0).with_least_references(2);
+        let config = BuildConfig::high_quality().with_spatial_splits(Some(eager));
+        assert_passes(&Library { config }, CASES, &OPEN);
     }
 
     #[test]

@@ -52,7 +52,7 @@ pub(crate) fn split(prims: &mut [PrimInfo], extent: &Extent, config: &BuildConfi
 }
 
 /// Moves all of `prims` that `is_first` before the others, and returns how many they are.
-fn partition(prims: &mut [PrimInfo], is_first: impl Fn(&PrimInfo) -> bool) -> usize {
+pub(crate) fn partition(prims: &mut [PrimInfo], is_first: impl Fn(&PrimInfo) -> bool) -> usize {
     // Lomuto's scheme without a branch: half of all branches here would be mispredicted.
     let mut middle = 0;
     for i in 0..prims.len() {

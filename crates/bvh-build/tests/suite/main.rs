@@ -6,4 +6,5 @@ mod matrix;
 mod reinsertion;
 mod scenes;
 mod small_stack;
+mod spatial;
 mod threads;

@@ -16,6 +16,8 @@ pub(crate) struct WideTree {
     /// `None` where there is nothing to hit.
     pub(crate) root: Option<Child>,
     pub(crate) bounds: Bounds3,
+    /// Whether a primitive may be in several leaves.
+    pub(crate) is_split: bool,
     /// How many steps, to nodes and leaves, a random ray through the bounds is expected to make: the cost of the surface
     /// area heuristic.
     pub(crate) expected_steps: f64,
@@ -23,8 +25,8 @@ pub(crate) struct WideTree {
 
 /// Puts the primitives at a range of the order, at most eight, where a leaf of them finds them.
 pub(crate) trait LeafWriter {
-    /// The place by which a leaf finds them; lines may be added at the end.
-    fn write(&self, range: Range<usize>, lines: &mut Vec<Line>) -> usize;
+    /// The place by which a leaf finds them, and how many they are, each once; lines may be added at the end.
+    fn write(&self, range: Range<usize>, lines: &mut Vec<Line>) -> (usize, usize);
 
     /// What testing `count` primitives of a leaf costs, where testing the eight boxes of a node costs 1.
     fn cost(&self, count: usize) -> f64;
@@ -54,7 +56,7 @@ pub(crate) fn collapse<N: WideNode>(bvh: &FlatBvh, writer: &impl LeafWriter) -> 
     let bounds = bvh.bounds();
     let area = bounds.surface_area();
     let expected_steps = if area > 0.0 { cost / area } else { 0.0 };
-    Some(WideTree { arena: Arena::new(lines), root, bounds, expected_steps })
+    Some(WideTree { arena: Arena::new(lines), root, bounds, is_split: bvh.extra_references() > 0, expected_steps })
 }
 
 /// A node of the binary tree, with its primitives.
@@ -163,7 +165,7 @@ impl Binary {
         let is_leaf = |i: usize| self.nodes[i].second_child == 0 || plans[i].left_of_eight == 0;
         let leaf = |i: usize, lines: &mut Vec<Line>| {
             let (first, count) = (self.nodes[i].first as usize, self.nodes[i].count as usize);
-            let place = writer.write(first..first + count, lines);
+            let (place, count) = writer.write(first..first + count, lines);
             (place < MAX_LINES).then(|| Child::leaf(place, count))
         };
         if is_leaf(node) {

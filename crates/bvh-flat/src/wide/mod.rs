@@ -21,3 +21,5 @@ pub(crate) use node::WideNode;
 pub(crate) use queries::{All, Answered, AnyQuery, ClosestQuery, One};
 pub(crate) use traverse::{Query, traverse};
 pub(crate) use triangles::{Blocks, Compact, Layout, TriangleWriter, Triangles};
+#[cfg(feature = "build")]
+pub(crate) use triangles::{LEAF_COST, TRIANGLE_COST};

@@ -1,6 +1,7 @@
 //! The three queries of a wide tree of triangles, as kernels.
 
 use std::cmp::Ordering;
+use std::collections::BTreeSet;
 use std::marker::PhantomData;
 use std::ops::ControlFlow;
 
@@ -148,7 +149,7 @@ impl<Y: Layout> Query for ClosestQuery<'_, Y> {
                 if is_sure && is_first && self.asked.is_inside(low, high) {
                     (self.found, self.enclosure) = (Some(Found { leaf, lane, low }), None);
                     self.t_max = high;
-                } else {
+                } else if !self.is_found_again(leaf, lane) {
                     self.decide(ray, leaf, lane);
                 }
             }
@@ -158,6 +159,13 @@ impl<Y: Layout> Query for ClosestQuery<'_, Y> {
 }
 
 impl<Y: Layout> ClosestQuery<'_, Y> {
+    /// Whether a triangle is the closest so far, met again in another leaf.
+    #[inline(always)]
+    fn is_found_again(&self, leaf: Child, lane: usize) -> bool {
+        let primitive = |leaf, lane| Y::primitive(self.asked.triangles, leaf, lane);
+        self.found.as_ref().is_some_and(|found| primitive(found.leaf, found.lane) == primitive(leaf, lane))
+    }
+
     /// Takes a triangle of which f32 says too little.
     #[cold]
     #[inline(never)]
@@ -251,7 +259,7 @@ impl<Y: Layout> Kernel for All<'_, '_, Y> {
         let Self { triangles, ray, interval, visitor, .. } = self;
         let visit = ControlFlow::Continue(interval.t_max());
         let asked = Asked::<Y>::new(triangles, ray, interval);
-        let mut query = AllQuery { asked, visitor, work: Work::default(), visit };
+        let mut query = AllQuery { asked, visitor, work: Work::default(), visit, told: BTreeSet::new() };
         traverse::<L, Y::Node>(&triangles.tree.arena, triangles.tree.root, ray, interval, &mut query);
         let AllQuery { visitor, work, visit, .. } = query;
         visitor.work(work);
@@ -264,6 +272,8 @@ struct AllQuery<'a, 'v, Y> {
     visitor: &'v mut dyn HitVisitor,
     work: Work,
     visit: Visit,
+    /// The triangles that the visitor knows, where they may be in several leaves.
+    told: BTreeSet<u32>,
 }
 
 impl<Y: Layout> Query for AllQuery<'_, '_, Y> {
@@ -296,8 +306,12 @@ impl<Y: Layout> AllQuery<'_, '_, Y> {
             let ControlFlow::Continue(t_max) = self.visit else { return };
             let (vertices, interval) = (leaf.vertices(lane), self.asked.interval.with_t_max(t_max));
             let Some(enclosure) = exact.intersect_triangle(&vertices, interval, &mut ()) else { continue };
+            let primitive = leaf.primitive(lane);
+            if self.asked.triangles.tree.is_split && !self.told.insert(primitive) {
+                continue;
+            }
             let TriangleHit { t, u, v } = exact.values(&vertices, &enclosure, &mut ());
-            self.visit = self.visitor.hit(Hit { t, u, v, primitive: u64::from(leaf.primitive(lane)) });
+            self.visit = self.visitor.hit(Hit { t, u, v, primitive: u64::from(primitive) });
         }
     }
 }

@@ -32,6 +32,16 @@ pub(crate) trait Layout: Copy + 'static {
         leaf: Child,
         scratch: &'a mut Self::Scratch,
     ) -> Option<&'a [f32; LEAF_NUMBERS]>;
+
+    /// Which of the stored words of a leaf of `count` triangles has the number of one of them.
+    fn place_of_id(count: usize, lane: usize) -> usize;
+
+    /// The number of a triangle in its mesh; `None` where there is none.
+    #[inline(always)]
+    fn primitive(triangles: &Triangles, leaf: Child, lane: usize) -> Option<u32> {
+        let stored = triangles.tree.arena.leaf(leaf.place())?;
+        Some(stored[Self::place_of_id(leaf.count(), lane) & 127].to_bits().wrapping_sub(BIAS))
+    }
 }
 
 /// What a wide tree over a mesh consists of.
@@ -78,6 +88,11 @@ impl Layout for Blocks {
     fn numbers<'a>(triangles: &'a Triangles, leaf: Child, (): &'a mut ()) -> Option<&'a [f32; LEAF_NUMBERS]> {
         triangles.tree.arena.leaf(leaf.place())
     }
+
+    #[inline(always)]
+    fn place_of_id(count: usize, lane: usize) -> usize {
+        1 + 9 * count + lane
+    }
 }
 
 impl Layout for Compact {
@@ -99,6 +114,11 @@ impl Layout for Compact {
         let (stored, count) = (triangles.tree.arena.leaf(leaf.place())?, leaf.count());
         gather(&triangles.mesh, stored, count, scratch)?;
         Some(scratch)
+    }
+
+    #[inline(always)]
+    fn place_of_id(_: usize, lane: usize) -> usize {
+        1 + lane
     }
 }
 
@@ -146,6 +166,14 @@ fn largest_extent(mesh: &TriangleMesh, ids: &[u32]) -> f32 {
     ids.iter().map(|&i| extent(mesh.vertices(i as usize))).fold(0.0, f32::max).next_up()
 }
 
+/// A step to a leaf takes half as much time again as one to a node, whatever it holds; the rest makes the tree that tests
+/// less win among equal ones. (From 0.5 to 2.5 for the leaf and 0 to 0.3 for a triangle, nothing was faster by more than
+/// the noise on bunny, sponza and kitchen; but 0.3 takes a fifth more memory.)
+pub(crate) const LEAF_COST: f64 = 1.5;
+
+/// What a triangle adds to it.
+pub(crate) const TRIANGLE_COST: f64 = 0.1;
+
 /// Writes leaves of a layout.
 pub(crate) struct TriangleWriter<'a, Y> {
     pub(crate) mesh: &'a TriangleMesh,
@@ -154,21 +182,24 @@ pub(crate) struct TriangleWriter<'a, Y> {
 }
 
 impl<Y: Layout> LeafWriter for TriangleWriter<'_, Y> {
-    fn write(&self, range: Range<usize>, lines: &mut Vec<Line>) -> usize {
+    fn write(&self, range: Range<usize>, lines: &mut Vec<Line>) -> (usize, usize) {
         let place = lines.len();
-        lines.extend(self.layout.words(self.mesh, &self.order[range]).chunks(16).map(|chunk| {
+        let mut ids: Vec<u32> = Vec::with_capacity(range.len());
+        for id in &self.order[range] {
+            if !ids.contains(id) {
+                ids.push(*id);
+            }
+        }
+        lines.extend(self.layout.words(self.mesh, &ids).chunks(16).map(|chunk| {
             let mut line = Line::default();
             line.0[..chunk.len()].copy_from_slice(chunk);
             line
         }));
-        place
+        (place, ids.len())
     }
 
-    /// A step to a leaf takes half as much time again as one to a node, whatever it holds; the rest makes the tree that
-    /// tests less win among equal ones. (From 0.5 to 2.5 for the leaf and 0 to 0.3 for a triangle, nothing was faster by
-    /// more than the noise on bunny, sponza and kitchen; but 0.3 takes a fifth more memory.)
     fn cost(&self, count: usize) -> f64 {
-        1.5 + 0.1 * count as f64
+        LEAF_COST + TRIANGLE_COST * count as f64
     }
 }
 
