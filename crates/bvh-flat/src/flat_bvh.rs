@@ -60,6 +60,24 @@ impl FlatBvh {
         self.nodes.first().map_or(Bounds3::EMPTY, LinearBvhNode::bounds)
     }
 
+    /// The number of nodes on the longest path: 1 for a single leaf, 0 for an empty tree.
+    pub fn depth(&self) -> usize {
+        // The depths of the second children to come.
+        let mut pending = Vec::new();
+        let (mut next, mut deepest) = (Some(1), 0);
+        for node in &self.nodes {
+            let depth = next.unwrap_or_default();
+            deepest = deepest.max(depth);
+            next = if node.is_leaf() {
+                pending.pop()
+            } else {
+                pending.push(depth + 1);
+                Some(depth + 1)
+            };
+        }
+        deepest
+    }
+
     /// The memory of nodes and order, in bytes.
     pub fn memory(&self) -> usize {
         size_of_val(self.nodes.as_slice()) + size_of_val(self.order.as_slice())

@@ -9,9 +9,13 @@ mod queries;
 mod traverse;
 mod triangle_ray;
 mod triangles;
+#[cfg(feature = "cache")]
+mod validate;
 
 #[cfg(feature = "build")]
 pub(crate) use arena::MAX_LINES;
+#[cfg(feature = "cache")]
+pub(crate) use arena::Arena;
 pub(crate) use arena::{Child, Line};
 pub(crate) use batch::{LARGE, Many};
 pub(crate) use collapse::{LeafWriter, WideTree, collapse};
@@ -21,3 +25,7 @@ pub(crate) use node::WideNode;
 pub(crate) use queries::{All, Answered, AnyQuery, ClosestQuery, One};
 pub(crate) use traverse::{Query, traverse};
 pub(crate) use triangles::{Blocks, Compact, Layout, TriangleWriter, Triangles};
+#[cfg(feature = "cache")]
+pub use validate::InvalidWideTree;
+#[cfg(feature = "cache")]
+pub(crate) use validate::{WideCounts, validate, validate_alone};
