@@ -14,7 +14,7 @@ use std::io;
 use std::ops::{Deref, Range};
 use std::sync::Arc;
 
-use memmap2::Mmap;
+use memmap2::{Mmap, MmapMut};
 
 use crate::wide::Line;
 
@@ -39,6 +39,31 @@ impl Map {
         // SAFETY: as in `Lines::from`; the mapping is neither moved nor unmapped while an `Arc` of it is there.
         let lines = unsafe { &*std::ptr::from_ref(lines) };
         Some(Lines { lines, owner: Owner::Map(Arc::clone(&self.0)) })
+    }
+}
+
+/// New memory, of zeros, in pages of 2 MiB where the system has them: with those of 4 KiB a tree of 89 MB takes 50 ms of the
+/// processor's time to be read, with these 20, since every page is made by a fault of its own.
+pub(crate) struct LargePages(MmapMut);
+
+impl LargePages {
+    pub(crate) fn new(len: usize) -> io::Result<Self> {
+        let pages = MmapMut::map_anon(len)?;
+        // A wish: without large pages it is slower, and right.
+        #[cfg(target_os = "linux")]
+        let _ = pages.advise(memmap2::Advice::HugePage);
+        Ok(Self(pages))
+    }
+
+    pub(crate) fn bytes_mut(&mut self) -> &mut [u8] {
+        &mut self.0
+    }
+
+    /// The same memory as lines; `None` where it is no whole number of them.
+    pub(crate) fn into_lines(self) -> Option<Lines> {
+        let owner = self.0.make_read_only().ok()?;
+        let len = owner.len();
+        Map(Arc::new(owner)).lines(0..len)
     }
 }
 

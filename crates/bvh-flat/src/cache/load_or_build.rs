@@ -1,5 +1,6 @@
 //! What a renderer wants: the tree, from wherever it comes.
 
+#[cfg(feature = "build")]
 use std::io;
 #[cfg(feature = "build")]
 use std::path::Path;

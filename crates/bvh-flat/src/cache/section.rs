@@ -19,15 +19,25 @@ pub(crate) fn read_section<T: Pod>(
     // No more than the file has, whose length has been checked.
     let count = record.entries::<T>()?;
     let mut entries: Vec<T> = bytemuck::try_zeroed_vec(count).map_err(|()| out_of_memory())?;
-    let found = read_and_sum(source, record.offset, bytemuck::cast_slice_mut(&mut entries))?;
-    record.check_sum(section, found)?;
+    read_into(source, section, record, bytemuck::cast_slice_mut(&mut entries))?;
+    Ok(entries)
+}
+
+/// Fills `to`, which is as long as the section, and checks the same.
+pub(crate) fn read_into(
+    source: &impl Source,
+    section: Section,
+    record: &SectionRecord,
+    to: &mut [u8],
+) -> Result<(), CacheError> {
+    record.check_sum(section, read_and_sum(source, record.offset, to)?)?;
     let end = record.offset + record.length;
     let mut behind = [0; ALIGNMENT as usize];
     let behind = &mut behind[..(end.next_multiple_of(ALIGNMENT) - end) as usize];
     source.read_exact_at(end, behind)?;
     match behind.iter().position(|&byte| byte != 0) {
         Some(place) => Err(CacheError::NotZero { offset: end + place as u64 }),
-        None => Ok(entries),
+        None => Ok(()),
     }
 }
 
@@ -47,6 +57,6 @@ impl SectionRecord {
     }
 }
 
-fn out_of_memory() -> CacheError {
+pub(crate) fn out_of_memory() -> CacheError {
     io::Error::from(io::ErrorKind::OutOfMemory).into()
 }

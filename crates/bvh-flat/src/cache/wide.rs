@@ -8,11 +8,15 @@ use geometry::TriangleMesh;
 use super::checksum::sum_of_pieces;
 use super::header::{Counts, Header};
 use super::section::read_section;
+#[cfg(feature = "mmap")]
+use super::section::{out_of_memory, read_into};
 use super::source::{OpenFile, Source};
 use super::{CacheError, GeometryKey, Section, TreeLayout, TreeOptions, file};
 #[cfg(feature = "build")]
 use super::{Cached, load_or_build::load_or_build};
 use crate::wide::{Arena, Blocks, Child, Compact, Line, Triangles, WideCounts, WideTree, validate, validate_alone};
+#[cfg(feature = "mmap")]
+use crate::mapped::{LargePages, Map};
 #[cfg(feature = "build")]
 use crate::{BuildConfig, BuildError};
 use crate::{InvalidWideTree, WideLayout, WideMesh};
@@ -214,13 +218,25 @@ fn check_counts(header: &Header, found: &WideCounts, tree: &WideTree, primitives
 }
 
 fn read_arena(source: &impl Source, header: &Header) -> Result<Arena, CacheError> {
-    let lines: Vec<Line> = read_section(source, Section::Arena, &header.sections[0])?;
+    let record = &header.sections[0];
+    #[cfg(feature = "mmap")]
+    if record.length >= LARGE {
+        let count = record.entries::<Line>()?;
+        let mut pages = LargePages::new(count * size_of::<Line>()).map_err(|_| out_of_memory())?;
+        read_into(source, Section::Arena, record, pages.bytes_mut())?;
+        return Ok(Arena::from_all(pages.into_lines().ok_or_else(out_of_memory)?));
+    }
+    let lines: Vec<Line> = read_section(source, Section::Arena, record)?;
     Ok(Arena::from_all(lines.into()))
 }
 
+/// Arenas of so many bytes are read into large pages.
+#[cfg(feature = "mmap")]
+const LARGE: u64 = 4 << 20;
+
 #[cfg(feature = "mmap")]
 fn map_arena(file: &OpenFile, header: &Header) -> Result<Arena, CacheError> {
-    let map = crate::mapped::Map::new(&file.file)?;
+    let map = Map::new(&file.file)?;
     let section = &header.sections[0];
     section.entries::<Line>()?;
     let range = section.offset as usize..(section.offset + section.length) as usize;

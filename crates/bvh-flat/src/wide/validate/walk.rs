@@ -25,6 +25,7 @@ pub(crate) struct WideCounts {
     pub(crate) depth: usize,
 }
 
+#[cfg(feature = "parallel")]
 impl WideCounts {
     pub(super) fn and(self, other: Self) -> Self {
         Self {
