@@ -214,7 +214,10 @@ impl fmt::Display for BuildConfig {
             MortonBits::Bits30 => "30",
             MortonBits::Bits63 => "63",
         };
-        write!(f, "{method}, leaves of at most {max_primitives_in_leaf}, costs {traversal_cost} and {intersection_cost}, ")?;
+        write!(
+            f,
+            "{method}, leaves of at most {max_primitives_in_leaf}, costs {traversal_cost} and {intersection_cost}, "
+        )?;
         write!(f, "{buckets} buckets on {axes}, Morton codes of {bits} bits, ")?;
         match reinsertion {
             Some(Reinsertion { passes, fraction }) => write!(f, "{passes} passes of reinsertion of {fraction}"),

@@ -6,7 +6,7 @@ use std::path::Path;
 use geometry::Bounds3;
 
 use super::checksum::sum_of_pieces;
-use super::header::{Counts, Header};
+use super::header::{ALIGNMENT, Counts, HEADER_BYTES, Header};
 use super::section::read_section;
 use super::source::{OpenFile, Source};
 use super::{CacheError, GeometryKey, Section, TreeLayout, TreeOptions, file};
@@ -21,12 +21,7 @@ impl FlatBvh {
     ///
     /// # Errors
     /// [`CacheError::Io`]; [`CacheError::OtherLayout`] for options of another layout.
-    pub fn save(
-        &self,
-        path: impl AsRef<Path>,
-        geometry: GeometryKey,
-        options: &TreeOptions,
-    ) -> Result<(), CacheError> {
+    pub fn save(&self, path: impl AsRef<Path>, geometry: GeometryKey, options: &TreeOptions) -> Result<(), CacheError> {
         file::save(path.as_ref(), &self.header(geometry, options)?, &self.sections())
     }
 
@@ -58,11 +53,7 @@ impl FlatBvh {
     ///
     /// # Errors
     /// As [`load`](Self::load).
-    pub fn from_bytes(
-        bytes: &[u8],
-        geometry: GeometryKey,
-        options: Option<&TreeOptions>,
-    ) -> Result<Self, CacheError> {
+    pub fn from_bytes(bytes: &[u8], geometry: GeometryKey, options: Option<&TreeOptions>) -> Result<Self, CacheError> {
         Self::read(&bytes, Some(geometry), options)
     }
 
@@ -89,6 +80,12 @@ impl FlatBvh {
             || Self::build(bounds, config, &()),
             |tree, path| tree.save(path, geometry, &options),
         )
+    }
+
+    /// How long a file with the tree is, in bytes.
+    pub fn file_length(&self) -> u64 {
+        let sections = self.sections().map(|section| (section.len() as u64).next_multiple_of(ALIGNMENT));
+        HEADER_BYTES as u64 + sections.iter().sum::<u64>()
     }
 
     fn sections(&self) -> [&[u8]; 2] {

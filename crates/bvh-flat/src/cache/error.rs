@@ -16,7 +16,9 @@ pub enum CacheError {
     #[error("the cache file cannot be read or written: {0}")]
     Io(#[from] io::Error),
     /// There are fewer bytes than the file says or must have.
-    #[error("the file has {found} of {expected} bytes: it was cut, or is still being copied; copy it again or rebuild it")]
+    #[error(
+        "the file has {found} of {expected} bytes: it was cut, or is still being copied; copy it again or rebuild it"
+    )]
     Truncated {
         /// How many there should be.
         expected: u64,

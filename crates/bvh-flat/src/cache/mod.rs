@@ -37,9 +37,9 @@ mod source;
 mod wide;
 
 pub use error::{CacheError, InvalidTree, Section};
+pub use file::TEMPORARY_PREFIX;
 pub use info::{CacheInfo, verify};
 pub use key::{GeometryKey, TreeLayout, TreeOptions};
 #[cfg(feature = "build")]
 pub use load_or_build::Cached;
 pub use load_or_build::Origin;
-pub use file::TEMPORARY_PREFIX;

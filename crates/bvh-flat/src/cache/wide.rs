@@ -6,7 +6,7 @@ use std::sync::Arc;
 use geometry::TriangleMesh;
 
 use super::checksum::sum_of_pieces;
-use super::header::{Counts, Header};
+use super::header::{Counts, HEADER_BYTES, Header};
 use super::section::read_section;
 #[cfg(feature = "mmap")]
 use super::section::{out_of_memory, read_into};
@@ -14,9 +14,9 @@ use super::source::{OpenFile, Source};
 use super::{CacheError, GeometryKey, Section, TreeLayout, TreeOptions, file};
 #[cfg(feature = "build")]
 use super::{Cached, load_or_build::load_or_build};
-use crate::wide::{Arena, Blocks, Child, Compact, Line, Triangles, WideCounts, WideTree, validate, validate_alone};
 #[cfg(feature = "mmap")]
 use crate::mapped::{LargePages, Map};
+use crate::wide::{Arena, Blocks, Child, Compact, Line, Triangles, WideCounts, WideTree, validate, validate_alone};
 #[cfg(feature = "build")]
 use crate::{BuildConfig, BuildError};
 use crate::{InvalidWideTree, WideLayout, WideMesh};
@@ -120,6 +120,11 @@ impl WideMesh {
         )
     }
 
+    /// How long a file with the tree is, in bytes.
+    pub fn file_length(&self) -> u64 {
+        (HEADER_BYTES + self.section().len()) as u64
+    }
+
     fn section(&self) -> &[u8] {
         bytemuck::must_cast_slice(self.tree().arena.all())
     }
@@ -127,10 +132,7 @@ impl WideMesh {
     /// Nothing is written that would be refused.
     fn header(&self, options: &TreeOptions, geometry: GeometryKey) -> Result<Header, CacheError> {
         if options.layout != TreeLayout::Wide(self.layout()) {
-            return Err(CacheError::OtherLayout {
-                expected: TreeLayout::Wide(self.layout()),
-                found: options.layout,
-            });
+            return Err(CacheError::OtherLayout { expected: TreeLayout::Wide(self.layout()), found: options.layout });
         }
         let tree = self.tree();
         let primitives = self.mesh().len() as u64;

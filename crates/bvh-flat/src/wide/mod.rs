@@ -12,10 +12,10 @@ mod triangles;
 #[cfg(feature = "cache")]
 mod validate;
 
-#[cfg(feature = "build")]
-pub(crate) use arena::MAX_LINES;
 #[cfg(feature = "cache")]
 pub(crate) use arena::Arena;
+#[cfg(feature = "build")]
+pub(crate) use arena::MAX_LINES;
 pub(crate) use arena::{Child, Line};
 pub(crate) use batch::{LARGE, Many};
 pub(crate) use collapse::{LeafWriter, WideTree, collapse};

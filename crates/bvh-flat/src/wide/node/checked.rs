@@ -51,7 +51,7 @@ fn are_permutations(orders: &[u32; LANES]) -> bool {
     for number in 0..LANES as u32 {
         let mut hit = 0;
         for order in orders {
-            let equal = !(order ^ number * FIRST_BITS);
+            let equal = !(order ^ (number * FIRST_BITS));
             hit |= equal & equal >> 1 & equal >> 2;
         }
         all_hit &= hit;

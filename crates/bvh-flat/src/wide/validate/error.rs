@@ -46,7 +46,9 @@ pub enum InvalidWideTree {
         end: usize,
     },
     /// Fewer than two children, an order of children that is no permutation, or something where nothing should be.
-    #[error("the node at line {node} is none that is ever written: its children, their orders, or what should be empty")]
+    #[error(
+        "the node at line {node} is none that is ever written: its children, their orders, or what should be empty"
+    )]
     Node {
         /// Where it begins.
         node: usize,

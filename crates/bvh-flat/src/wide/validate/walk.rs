@@ -66,12 +66,7 @@ pub(super) struct Checker<'a, Y, S> {
 }
 
 impl<'a, Y: CheckedLayout, S: Fn(u32) -> bool> Checker<'a, Y, S> {
-    pub(super) fn new(
-        arena: &'a Arena,
-        mesh: Option<&'a TriangleMesh>,
-        compare_vertices: bool,
-        see: &'a S,
-    ) -> Self {
+    pub(super) fn new(arena: &'a Arena, mesh: Option<&'a TriangleMesh>, compare_vertices: bool, see: &'a S) -> Self {
         Self { arena, mesh, compare_vertices, see, layout: PhantomData }
     }
 
