@@ -12,11 +12,32 @@ pub const MAX_DEPTH: usize = 96;
 ///
 /// Valid by construction (see [`from_parts`](Self::from_parts)), so traversal need not check. A tree without nodes is
 /// met by no ray.
+///
+/// With the feature `serde` it can be kept in any codec; what comes out of one goes through [`from_parts`](Self::from_parts).
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(try_from = "Parts"))]
 pub struct FlatBvh {
     nodes: Vec<LinearBvhNode>,
     order: Vec<u32>,
     primitive_count: u32,
+}
+
+/// What a codec has of a tree.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+struct Parts {
+    nodes: Vec<LinearBvhNode>,
+    order: Vec<u32>,
+    primitive_count: u32,
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<Parts> for FlatBvh {
+    type Error = InvalidBvh;
+
+    fn try_from(parts: Parts) -> Result<Self, InvalidBvh> {
+        Self::from_parts(parts.nodes, parts.order, parts.primitive_count)
+    }
 }
 
 impl FlatBvh {

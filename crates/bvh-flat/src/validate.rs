@@ -143,14 +143,28 @@ pub(crate) fn validate(nodes: &[LinearBvhNode], order: &[u32], primitive_count: 
     validate_order(order, primitive_count)
 }
 
-/// Each primitive at most once: one bit for each. Refused before the bits are allocated if the counts cannot be.
+/// Each primitive at most once: one bit for each. Where few have a place in the order, that could be much memory for little,
+/// and a copy of the order is sorted instead.
 fn validate_order(order: &[u32], primitive_count: u32) -> Result<(), InvalidBvh> {
     let largest = order.iter().copied().max().map_or(0, |p| p as usize + 1);
+    let refused = |place: usize| InvalidBvh::Order { place, primitive: order[place], primitive_count };
+    if largest / 32 > order.len() {
+        if let Some(place) = order.iter().position(|&primitive| primitive >= primitive_count) {
+            return Err(refused(place));
+        }
+        let mut sorted = order.to_vec();
+        sorted.sort_unstable();
+        let twice = sorted.windows(2).find(|pair| pair[0] == pair[1]).map(|pair| pair[0]);
+        return match twice.and_then(|twice| order.iter().rposition(|&primitive| primitive == twice)) {
+            Some(place) => Err(refused(place)),
+            None => Ok(()),
+        };
+    }
     let mut seen = vec![0_u64; largest.min(primitive_count as usize).div_ceil(64)];
     for (place, &primitive) in order.iter().enumerate() {
         let (word, bit) = (primitive as usize / 64, 1_u64 << (primitive % 64));
         if primitive >= primitive_count || seen[word] & bit != 0 {
-            return Err(InvalidBvh::Order { place, primitive, primitive_count });
+            return Err(refused(place));
         }
         seen[word] |= bit;
     }
@@ -242,6 +256,36 @@ mod tests {
             damage(&mut nodes, &mut order);
             assert!(FlatBvh::from_parts(nodes, order, 4).is_err(), "{name}");
         }
+    }
+
+    /// Few of very many primitives: by sorting, and not with a bit for each.
+    #[test]
+    fn sparse_orders_are_permutations_too() {
+        let nodes = tree().0;
+        for (order, place) in [
+            ([7, 1 << 30, 5, u32::MAX - 1], None),
+            ([7, 1 << 30, 5, u32::MAX], Some(3)),
+            ([7, 1 << 30, 7, 5], Some(2)),
+            ([1 << 30, 7, 5, 1 << 30], Some(3)),
+        ] {
+            let refused = FlatBvh::from_parts(nodes.clone(), order.to_vec(), u32::MAX).err();
+            let expected =
+                place.map(|place| InvalidBvh::Order { place, primitive: order[place], primitive_count: u32::MAX });
+            assert_eq!(refused, expected);
+        }
+    }
+
+    #[test]
+    #[cfg(feature = "serde")]
+    fn a_codec_goes_through_the_validating_constructor() {
+        let (nodes, order) = tree();
+        let bvh = FlatBvh::from_parts(nodes, order, 4).expect("a tree");
+        let text = serde_json::to_string(&bvh).expect("numbers");
+        assert_eq!(serde_json::from_str::<FlatBvh>(&text).expect("a tree"), bvh);
+        let damaged = text.replace("\"offset\":3", "\"offset\":4");
+        assert_ne!(damaged, text);
+        let error = serde_json::from_str::<FlatBvh>(&damaged).expect_err("no tree");
+        assert!(error.to_string().contains("its second child cannot be node 4"), "{error}");
     }
 
     #[test]

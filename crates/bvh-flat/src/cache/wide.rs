@@ -93,6 +93,7 @@ impl WideMesh {
         let geometry = GeometryKey::of_mesh(&mesh);
         let file = OpenFile::open(path.as_ref())?;
         let header = Header::read(&file)?;
+        wide_layout(&header)?;
         header.expect(Some(geometry), options)?;
         Self::assemble(mesh, &header, map_arena(&file, &header)?)
     }
@@ -155,6 +156,7 @@ impl WideMesh {
         options: Option<&TreeOptions>,
     ) -> Result<Self, CacheError> {
         let header = Header::read(source)?;
+        wide_layout(&header)?;
         header.expect(Some(geometry), options)?;
         Self::assemble(mesh, &header, read_arena(source, &header)?)
     }
@@ -182,8 +184,8 @@ pub(super) fn verify_alone(source: &impl Source, header: &Header) -> Result<(), 
 
 fn validated(tree: &WideTree, mesh: &TriangleMesh, layout: WideLayout) -> Result<WideCounts, InvalidWideTree> {
     match layout {
-        WideLayout::Blocks => validate::<Blocks>(tree, mesh, true),
-        WideLayout::Compact => validate::<Compact>(tree, mesh, true),
+        WideLayout::Blocks => validate::<Blocks>(tree, mesh),
+        WideLayout::Compact => validate::<Compact>(tree, mesh),
     }
 }
 

@@ -21,13 +21,10 @@ pub use error::InvalidWideTree;
 pub(crate) use walk::WideCounts;
 use walk::{Checker, Subtree, Walk};
 
-/// Checks everything that FORMAT.md says of a wide tree over `mesh`, and counts. `compare_vertices`: whether the leaves'
-/// own copies of the vertices are those of the mesh.
-pub(crate) fn validate<Y: CheckedLayout>(
-    tree: &WideTree,
-    mesh: &TriangleMesh,
-    compare_vertices: bool,
-) -> Result<WideCounts, InvalidWideTree> {
+/// Checks everything that FORMAT.md says of a wide tree over `mesh`, and counts. A tree that passes has every triangle that can
+/// be hit in one leaf, as it is in the mesh, and in every box above that: whoever made it, no ray gets another answer than
+/// from the mesh itself.
+pub(crate) fn validate<Y: CheckedLayout>(tree: &WideTree, mesh: &TriangleMesh) -> Result<WideCounts, InvalidWideTree> {
     let mut seen: Vec<AtomicU8> = (0..mesh.len()).map(|_| AtomicU8::new(0)).collect();
     // Threads that see the same primitive at once may both find it new; then more references are counted than primitives.
     let see = |primitive: u32| {
@@ -35,7 +32,7 @@ pub(crate) fn validate<Y: CheckedLayout>(
         let seen = seen.get(primitive as usize).filter(|seen| is_new(seen));
         seen.map(|seen| seen.store(1, Ordering::Relaxed)).is_some()
     };
-    let counts = whole_tree::<Y>(tree, Some(mesh), compare_vertices, &see)?;
+    let counts = whole_tree::<Y>(tree, Some(mesh), &see)?;
     let distinct: u64 = seen.iter_mut().map(|seen| u64::from(*seen.get_mut())).sum();
     if counts.references != distinct {
         return Err(InvalidWideTree::Repeated { references: counts.references, primitives: distinct });
@@ -60,7 +57,7 @@ pub(crate) fn validate_alone<Y: CheckedLayout>(
         let exists = u64::from(primitive) < primitive_count;
         exists && seen.lock().map(|mut seen| seen.push(primitive)).is_ok()
     };
-    let counts = whole_tree::<Y>(tree, None, false, &see)?;
+    let counts = whole_tree::<Y>(tree, None, &see)?;
     let mut seen: Vec<u32> = seen.into_inner().unwrap_or_default();
     seen.sort_unstable();
     seen.dedup();
@@ -72,7 +69,6 @@ pub(crate) fn validate_alone<Y: CheckedLayout>(
 fn whole_tree<Y: CheckedLayout>(
     tree: &WideTree,
     mesh: Option<&TriangleMesh>,
-    compare_vertices: bool,
     see: &(impl Fn(u32) -> bool + Sync),
 ) -> Result<WideCounts, InvalidWideTree> {
     let lines = tree.arena.all();
@@ -88,7 +84,7 @@ fn whole_tree<Y: CheckedLayout>(
     if !tree.bounds.is_valid() {
         return Err(InvalidWideTree::Bounds { node: 0 });
     }
-    let checker = Checker::<Y, _>::new(&tree.arena, mesh, compare_vertices, see);
+    let checker = Checker::<Y, _>::new(&tree.arena, mesh, see);
     let width = SimdWidth::default();
     let walk = |at: Subtree, leave| width.run(Walk { checker: &checker, pending: vec![at], leave });
     let root = Subtree::root(root, end, &tree.bounds);
