@@ -68,10 +68,13 @@ impl Node {
 
     /// The word where the leaf begins that comes first under the node or under its first descendants, and its triangles.
     fn leaf(self, file: &Words) -> (usize, usize) {
-        match self.first(file, true).1 {
-            0 => self.child(file).leaf(file),
-            leaf => (ARENA + LINE * (leaf & 0x0fff_ffff) as usize, (leaf >> 28 & 7) as usize + 1),
-        }
+        let leaf = self.with_leaf(file).first(file, true).1;
+        (ARENA + LINE * (leaf & 0x0fff_ffff) as usize, (leaf >> 28 & 7) as usize + 1)
+    }
+
+    /// The node itself or the first of its descendants that has a leaf.
+    fn with_leaf(self, file: &Words) -> Self {
+        if self.first(file, true).1 == 0 { self.child(file).with_leaf(file) } else { self }
     }
 
     /// The word of the first number of a triangle in a leaf of so many.
@@ -99,13 +102,9 @@ const DAMAGES: [(&str, [&str; 2], Damage); 22] = [
         f.set(word, f.get(word) | 1 << 28);
     }),
     ("a leaf somewhere else", ["Gap"; 2], |f, root| {
-        let node = root.child(f);
+        let node = root.with_leaf(f);
         let (lane, leaf) = node.first(f, true);
-        if leaf == 0 {
-            f.set(root.last_node(f), root.first(f, false).1 + 1);
-        } else {
-            f.set(node.references() + lane, leaf + 1);
-        }
+        f.set(node.references() + lane, leaf + 1);
     }),
     ("a lane without a child before one with", ["Node"; 2], |f, root| f.set(root.references(), 0)),
     ("no children", ["Node"; 2], |f, root| (0..8).for_each(|lane| f.set(root.references() + lane, 0))),
@@ -144,7 +143,7 @@ const DAMAGES: [(&str, [&str; 2], Damage); 22] = [
         let (leaf, count) = root.leaf(f);
         f.set(leaf + root.first_id(count), 0x3f80_0000_u32.wrapping_add(1 << 20));
     }),
-    ("a primitive twice", ["Primitive"; 2], |f, root| {
+    ("another primitive", ["Vertices", "Leaf"], |f, root| {
         let (leaf, count) = root.leaf(f);
         let other = f.get(leaf + root.first_id(count)) ^ 1;
         f.set(leaf + root.first_id(count), other);
@@ -174,6 +173,7 @@ pub(super) fn structures(run: &Run) -> Outcome {
         }
     }
     wide_chain::depths(&mut tries);
+    wide_chain::permutations(&mut tries);
     tries.outcome()
 }
 
@@ -183,7 +183,7 @@ fn deep_mesh(random: &mut Random) -> Arc<TriangleMesh> {
 }
 
 /// The name of the refusal of a wide structure.
-fn refusal<T>(loaded: &Result<T, CacheError>) -> String {
+pub(super) fn refusal<T>(loaded: &Result<T, CacheError>) -> String {
     match loaded {
         Err(CacheError::Structure(InvalidTree::Wide(invalid))) => {
             let name = format!("{invalid:?}");
@@ -204,7 +204,6 @@ fn named(tries: &mut Tries, mesh: &Arc<TriangleMesh>, layout: WideLayout) {
         damage(&mut words, Node { at: ARENA, layout });
         reseal(&mut words.0);
         let loaded = load(&words.0, mesh, TreeLayout::Wide(layout));
-        // A primitive that is in two leaves is found at the second, or by the number of references.
         tries.check(refusal(&loaded) == expected, || format!("{}, {name}: {}", layout.name(), refusal(&loaded)));
     }
 }

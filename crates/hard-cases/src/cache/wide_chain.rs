@@ -8,7 +8,7 @@ use bvh_flat::{FlatBvh, InvalidBvh, InvalidWideTree, LinearBvhNode, MAX_DEPTH};
 use geometry::glam::Vec3;
 use geometry::{Axis, Bounds3, TriangleMesh};
 
-use super::hostile::Words;
+use super::hostile::{Words, refusal};
 use super::{file_of, load, reseal};
 use crate::Tries;
 
@@ -20,7 +20,7 @@ pub(super) fn depths(tries: &mut Tries) {
     for (depth, is_good) in [(2, true), (50, true), (MAX_WIDE_DEPTH, true), (MAX_WIDE_DEPTH + 1, false), (5_000, false)]
     {
         let mesh = identical(depth);
-        let loaded = load(&chain(&mesh), &mesh, TreeLayout::Wide(WideLayout::Blocks));
+        let loaded = load(&chain(&mesh, depth).0, &mesh, TreeLayout::Wide(WideLayout::Blocks));
         let is_too_deep =
             matches!(loaded, Err(CacheError::Structure(InvalidTree::Wide(InvalidWideTree::TooDeep { .. }))));
         tries.check(loaded.is_ok() == is_good && is_too_deep != is_good, || {
@@ -43,10 +43,25 @@ fn identical(count: usize) -> Arc<TriangleMesh> {
     Arc::new(TriangleMesh::new(corners.to_vec(), vec![[0, 1, 2]; count]).expect("in range"))
 }
 
-/// A file in which each node has a triangle and the next node; the last has two triangles.
-fn chain(mesh: &Arc<TriangleMesh>) -> Vec<u8> {
-    const HEADER: usize = 128;
-    let depth = mesh.len();
+/// Identical triangles, so that only their numbers tell: one in two leaves, and one in none.
+pub(super) fn permutations(tries: &mut Tries) {
+    let mesh = identical(20);
+    let mut twice = chain(&mesh, 20);
+    // The number of the triangle in the second leaf.
+    twice.set(HEADER + 16 * 9 + 10, 0x3f80_0000);
+    reseal(&mut twice.0);
+    let missing = chain(&mesh, 19);
+    for (file, expected) in [(chain(&mesh, 20), "accepted"), (twice, "Primitive"), (missing, "Missing")] {
+        let loaded = load(&file.0, &mesh, TreeLayout::Wide(WideLayout::Blocks));
+        tries.check(refusal(&loaded) == expected, || format!("{}, not {expected}", refusal(&loaded)));
+    }
+}
+
+/// Where the arena begins, in words.
+const HEADER: usize = 128;
+
+/// A file with the first `depth` triangles of a mesh, in which each node has a triangle and the next node; the last has two.
+fn chain(mesh: &Arc<TriangleMesh>, depth: usize) -> Words {
     let lines = 5 * (depth - 1) + 1 + 9;
     // The header of some tree over the mesh, of which only counts and lengths are other ones.
     let mut file = Words(file_of(mesh, TreeLayout::Wide(WideLayout::Blocks)));
@@ -54,6 +69,7 @@ fn chain(mesh: &Arc<TriangleMesh>) -> Vec<u8> {
     file.0.resize(512 + 64 * lines, 0);
     let mut count = |at: usize, value: u64| file.0[at..at + 8].copy_from_slice(&value.to_le_bytes());
     count(32, (512 + 64 * lines) as u64);
+    count(112, depth as u64);
     count(128, depth as u64 - 1);
     count(136, depth as u64);
     count(144, depth as u64);
@@ -90,5 +106,5 @@ fn chain(mesh: &Arc<TriangleMesh>) -> Vec<u8> {
         }
     }
     reseal(&mut file.0);
-    file.0
+    file
 }
