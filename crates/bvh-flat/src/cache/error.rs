@@ -14,7 +14,7 @@ use crate::{InvalidBvh, InvalidWideTree};
 pub enum CacheError {
     /// The file cannot be opened, read or written.
     #[error("the cache file cannot be read or written: {0}")]
-    Io(#[from] io::Error),
+    Io(io::Error),
     /// There are fewer bytes than the file says or must have.
     #[error(
         "the file has {found} of {expected} bytes: it was cut, or is still being copied; copy it again or rebuild it"
@@ -95,7 +95,7 @@ pub enum CacheError {
     },
     /// The bytes are those that were written, but they are no tree.
     #[error("the file has no valid tree: {0}; rebuild it with this program")]
-    Structure(#[from] InvalidTree),
+    Structure(InvalidTree),
 }
 
 /// Why sections are no tree.
@@ -118,6 +118,19 @@ pub enum InvalidTree {
         /// In the tree.
         found: u64,
     },
+}
+
+// Not as sources: their words are in the message already.
+impl From<io::Error> for CacheError {
+    fn from(error: io::Error) -> Self {
+        Self::Io(error)
+    }
+}
+
+impl From<InvalidTree> for CacheError {
+    fn from(invalid: InvalidTree) -> Self {
+        Self::Structure(invalid)
+    }
 }
 
 impl From<InvalidBvh> for CacheError {

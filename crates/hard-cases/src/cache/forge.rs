@@ -10,7 +10,7 @@ const DESCRIPTION: usize = 256;
 
 /// The u64 at `at`; 0 beyond the end.
 fn read(file: &[u8], at: usize) -> u64 {
-    file.get(at..at + 8).map_or(0, |bytes| u64::from_le_bytes(bytes.try_into().unwrap_or_default()))
+    file.get(at..at + 8).and_then(|bytes| bytes.try_into().ok()).map_or(0, u64::from_le_bytes)
 }
 
 /// The sum of a section.
@@ -19,8 +19,12 @@ fn sum_of_pieces(bytes: &[u8]) -> u128 {
     xxh3_128(&sums)
 }
 
-/// Makes right the sums of the sections where those are inside of the file, the options key, and the sum of the header.
+/// Makes right the sums of the sections where those are inside of the file, the options key, and the sum of the header; what is
+/// shorter than a header has none.
 pub fn reseal(file: &mut [u8]) {
+    if file.len() < HEADER {
+        return;
+    }
     for at in SECTIONS {
         let (offset, length) = (read(file, at), read(file, at + 8));
         let section = (offset as usize)..(offset as usize).saturating_add(length as usize);
@@ -31,13 +35,11 @@ pub fn reseal(file: &mut [u8]) {
             file[at + 16..at + 32].copy_from_slice(&sum);
         }
     }
-    if file.len() >= HEADER {
-        let length = (read(file, 248) as usize).min(HEADER - DESCRIPTION);
-        let key = xxh3_128(&[&file[64..68], &file[DESCRIPTION..DESCRIPTION + length]].concat());
-        file[OPTIONS_KEY..OPTIONS_KEY + 16].copy_from_slice(&key.to_le_bytes());
-        let sum = xxh3_128(&[&file[..16], &file[32..HEADER]].concat());
-        file[16..32].copy_from_slice(&sum.to_le_bytes());
-    }
+    let length = (read(file, 248) as usize).min(HEADER - DESCRIPTION);
+    let key = xxh3_128(&[&file[64..68], &file[DESCRIPTION..DESCRIPTION + length]].concat());
+    file[OPTIONS_KEY..OPTIONS_KEY + 16].copy_from_slice(&key.to_le_bytes());
+    let sum = xxh3_128(&[&file[..16], &file[32..HEADER]].concat());
+    file[16..32].copy_from_slice(&sum.to_le_bytes());
 }
 
 /// The file with each count, offset and length of its header in turn beyond all memory, and the sums right.

@@ -168,7 +168,8 @@ pub(super) fn structures(run: &Run) -> Outcome {
             if let TreeLayout::Wide(wide) = layout {
                 named(&mut tries, &deep_mesh(&mut random), wide);
             }
-            flips(&mut tries, run, &mesh, layout, &mut random);
+            let flipped = flips(run, &mesh, layout, &mut random);
+            tries = tries.and(flipped);
             recorded(&mut tries, &mesh, layout);
         }
     }
@@ -210,7 +211,8 @@ fn named(tries: &mut Tries, mesh: &Arc<TriangleMesh>, layout: WideLayout) {
 
 /// Any bit of the sections may be flipped: either the tree is refused, or it answers as if nothing had happened, as where a
 /// box became larger inside of that above.
-fn flips(tries: &mut Tries, run: &Run, mesh: &Arc<TriangleMesh>, layout: TreeLayout, random: &mut Random) {
+fn flips(run: &Run, mesh: &Arc<TriangleMesh>, layout: TreeLayout, random: &mut Random) -> Tries {
+    let mut tries = Tries::new();
     let rays = rays_at(mesh, 40, random);
     let exact = expected(&ExactTriangles::new(Arc::clone(mesh)), &rays);
     let mut file = file_of(mesh, layout);
@@ -230,6 +232,7 @@ fn flips(tries: &mut Tries, run: &Run, mesh: &Arc<TriangleMesh>, layout: TreeLay
         file[bit / 8] ^= 1 << (bit % 8);
     }
     tries.figure("harmless flips", f64::from(harmless));
+    tries
 }
 
 fn answers_alike(shape: &dyn Shape, expected: &[(TraversalRay, Option<Hit>)]) -> bool {
