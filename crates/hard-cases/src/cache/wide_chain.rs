@@ -50,11 +50,35 @@ pub(super) fn permutations(tries: &mut Tries) {
     // The number of the triangle in the second leaf.
     twice.set(HEADER + 16 * 9 + 10, 0x3f80_0000);
     reseal(&mut twice.0);
-    let missing = chain(&mesh, 19);
-    for (file, expected) in [(chain(&mesh, 20), "accepted"), (twice, "Primitive"), (missing, "Missing")] {
+    let files = [
+        (chain(&mesh, 20), "accepted"),
+        (twice, "Primitive"),
+        (chain(&mesh, 19), "Missing"),
+        // Between the leaf of the root and the node below, and behind the last leaf.
+        (with_gap(chain(&mesh, 20), 20, 5), "Gap"),
+        (with_gap(chain(&mesh, 20), 20, 5 * 19 + 1), "Gap"),
+    ];
+    for (file, expected) in files {
         let loaded = load(&file.0, &mesh, TreeLayout::Wide(WideLayout::Blocks));
         tries.check(refusal(&loaded) == expected, || format!("{}, not {expected}", refusal(&loaded)));
     }
+}
+
+/// The file of a chain with a line more, which nothing refers to.
+fn with_gap(mut file: Words, depth: usize, line: usize) -> Words {
+    file.0.splice(512 + 64 * line..512 + 64 * line, [0; 64]);
+    for length in [32 / 4, 192 / 4] {
+        file.set(length, file.get(length) + 64);
+    }
+    for level in 0..depth - 1 {
+        let at = 5 * level + usize::from(5 * level >= line);
+        for word in [48, 49].map(|word| HEADER + 16 * at + word) {
+            let reference = file.get(word);
+            file.set(word, reference + u32::from((reference & 0x0fff_ffff) as usize >= line));
+        }
+    }
+    reseal(&mut file.0);
+    file
 }
 
 /// Where the arena begins, in words.
