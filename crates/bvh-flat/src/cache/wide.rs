@@ -221,6 +221,7 @@ fn check_counts(header: &Header, found: &WideCounts, tree: &WideTree, primitives
     if is_number { Ok(()) } else { Err(CacheError::Header("the expected steps are no number")) }
 }
 
+#[cfg_attr(not(feature = "mmap"), expect(clippy::useless_conversion, reason = "with `mmap` a type of its own"))]
 fn read_arena(source: &impl Source, header: &Header) -> Result<Arena, CacheError> {
     let record = &header.sections[0];
     #[cfg(feature = "mmap")]

@@ -75,6 +75,7 @@ impl Arena {
     ///
     /// Rejected: large pages. With all 84 MB of kitchen's tree in pages of 2 MiB no kind of ray was faster by more than the
     /// noise of 2 %, nor on dragon and black-forest.
+    #[cfg_attr(not(feature = "mmap"), expect(clippy::useless_conversion, reason = "with `mmap` a type of its own"))]
     pub(crate) fn new(mut lines: Vec<Line>) -> Self {
         lines.extend([Line::default(); LEAF_LINES]);
         lines.shrink_to_fit();

@@ -19,7 +19,7 @@ pub(super) fn flipped_bits(run: &Run) -> Outcome {
             let expected = match bit / 8 {
                 0..8 => "NotACache",
                 8..12 => "Checksum",
-                12 if bit % 8 == 0 => "OlderVersion",
+                12 if bit == 96 => "OlderVersion",
                 12..16 => "NewerVersion",
                 _ => "Checksum",
             };

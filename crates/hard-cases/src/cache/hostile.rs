@@ -59,11 +59,7 @@ impl Node {
     /// The word of the reference to the last child that is a node.
     fn last_node(self, file: &Words) -> usize {
         let word = |lane: usize| self.references() + lane;
-        (0..8)
-            .map(word)
-            .filter(|&word| file.get(word) != 0 && file.get(word) & LEAF == 0)
-            .next_back()
-            .unwrap_or_default()
+        (0..8).map(word).rfind(|&word| file.get(word) != 0 && file.get(word) & LEAF == 0).unwrap_or_default()
     }
 
     /// The word where the leaf begins that comes first under the node or under its first descendants, and its triangles.
