@@ -2,6 +2,7 @@
 //! passes where they are not.
 
 mod agreement;
+mod cache;
 mod degenerate;
 mod determinism;
 mod exact;

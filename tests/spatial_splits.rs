@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use bvh_flat::bvh_build::{SpatialSplits, build_split};
+use bvh_flat::cache::{TreeLayout, TreeOptions};
 use bvh_flat::geometry::glam::Vec3;
 use bvh_flat::geometry::{Bounds3, Hit, Interval, Shape, TraversalRay, TriangleMesh, Visit, clipped_triangle_bounds};
 use bvh_flat::{BuildConfig, FlatBvh, InvalidBvh, MeshBvh, RaySegment, SimdWidth, WideLayout, WideMesh};
@@ -54,9 +55,12 @@ fn check(name: &str, mesh: &Arc<TriangleMesh>, count: usize, seed: u64) -> usize
     for (config, layout) in configs().into_iter().flat_map(|config| WideLayout::ALL.map(|layout| (config, layout))) {
         extra += extra_references(mesh, &config);
         let tree = WideMesh::build_observed(Arc::clone(mesh), &config, layout, &()).expect("valid");
-        for width in SimdWidth::available() {
-            let wide = tree.with_simd_width(width);
-            let what = format!("{name} {} {} {config:?}", layout.name(), width.name());
+        let options = TreeOptions::new(&config, TreeLayout::Wide(layout));
+        let bytes = tree.to_bytes(&options).expect("what was built is what a file may hold");
+        let loaded = WideMesh::from_bytes(&bytes, Arc::clone(mesh), Some(&options)).expect("whole");
+        let built = SimdWidth::available().into_iter().map(|width| (width.name(), tree.with_simd_width(width)));
+        for (from, wide) in built.chain([("a file", loaded)]) {
+            let what = format!("{name} {} {from} {config:?}", layout.name());
             for (((ray, interval), closest), every) in rays.iter().zip(&closest).zip(&every) {
                 assert_eq!(wide.intersect(ray, *interval).map(bits), *closest, "{what}: {ray:?} {interval:?}");
                 assert_eq!(wide.intersect_p(ray, *interval), closest.is_some(), "{what}: {ray:?} {interval:?}");

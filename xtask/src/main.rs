@@ -1,6 +1,7 @@
 //! The runner of the workspace: `cargo xtask`. Parses the command line, calls the command, turns its end into an exit
 //! code: 0 good, 1 a failure of what was asked, 2 a command line that makes no sense.
 
+mod cache;
 mod errors;
 mod input;
 mod measure;
@@ -31,6 +32,7 @@ Examples:
   cargo xtask sweep builtin:terrain:1M           on a generated terrain of a million triangles
   cargo xtask render bunny.ply --view visits -o visits.png
   cargo xtask verify                             the catalogue of hard cases
+  cargo xtask cache bench kitchen.ply            what a load takes beside a build
   cargo xtask trace bunny.ply --rays engine.rays --out hits.npy";
 
 #[derive(Subcommand)]
@@ -41,6 +43,8 @@ enum Command {
     Render(render::Arguments),
     /// Run the catalogue of hard cases, or compare a scene's answers with the exact ones
     Verify(verify::Arguments),
+    /// Keep trees in files: build, look into, verify, measure and delete them
+    Cache(cache::Arguments),
     /// Trace rays from a file, from your own engine for instance, and write their hits
     Trace(trace::Arguments),
 }
@@ -50,6 +54,7 @@ fn main() -> ExitCode {
         Command::Sweep(arguments) => sweep::run(&arguments),
         Command::Render(arguments) => render::run(&arguments),
         Command::Verify(arguments) => verify::run(&arguments),
+        Command::Cache(arguments) => cache::run(&arguments),
         Command::Trace(arguments) => trace::run(&arguments),
     };
     match result {

@@ -195,7 +195,7 @@ fn bad_input_is_refused_with_words() {
     std::fs::write(here.join("index.obj"), "v 0 0 0\nv 1 0 0\nf 1 2 7\n").expect("written");
     std::fs::write(here.join("flat.pbrt"), "WorldBegin\nScale 1 0 1\nShape \"sphere\"\n").expect("written");
     std::fs::write(here.join("notes.txt"), "hello").expect("written");
-    let cases: [(&[&str], i32, &str); 19] = [
+    let cases: [(&[&str], i32, &str); 26] = [
         (&["sweep", "missing.ply"], 1, "missing.ply: cannot be read"),
         (&["render", "."], 1, "is a directory"),
         (&["sweep", "cut.ply"], 1, "cut.ply"),
@@ -215,6 +215,13 @@ fn bad_input_is_refused_with_words() {
         (&["render", "square.obj", "-o", "no/such/place.png", "--width", "8", "--height", "8"], 1, "place.png"),
         (&["render", "--view", "beautiful"], 2, "shaded"),
         (&["polish"], 2, "polish"),
+        (&["cache"], 2, "Usage"),
+        (&["cache", "polish"], 2, "polish"),
+        (&["cache", "info", "missing.bvh"], 1, "missing.bvh: the cache file cannot be read"),
+        (&["cache", "verify", "square.obj"], 1, "this is no cache file"),
+        (&["cache", "build", "missing.ply"], 1, "missing.ply"),
+        (&["cache", "build", "builtin:stadium", "--out", "x.bvh"], 2, "--dir makes a file for each"),
+        (&["cache", "build", "square.obj", "--out", "no/such/x.bvh"], 1, "x.bvh"),
     ];
     for (arguments, expected, words) in cases {
         let (code, text) = run(arguments, here);
@@ -240,10 +247,102 @@ fn unknown_directives_are_warned_of() {
 #[test]
 fn help_is_there_for_every_command() {
     let folder = directory();
-    for command in ["sweep", "render", "trace", "verify"] {
-        let (code, text) = run(&[command, "--help"], folder.path());
+    for command in ["sweep", "render", "trace", "verify", "cache build", "cache bench", "cache verify"] {
+        let arguments: Vec<&str> = command.split(' ').chain(["--help"]).collect();
+        let (code, text) = run(&arguments, folder.path());
         assert_eq!(code, 0);
         assert!(text.contains("Usage: cargo xtask") && text.contains("builtin:stadium"), "{text}");
     }
     assert_eq!(run(&[], folder.path()).0, 2);
+}
+
+/// A file is built, shown, verified with its scene and without, refused with another, and cleared; damage is named.
+#[test]
+fn cache_files_are_built_verified_and_cleared() {
+    let folder = directory();
+    let here = folder.path();
+    square(here);
+    std::fs::write(here.join("other.obj"), "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n").expect("written");
+    for layout in ["blocks", "compact", "binary"] {
+        let (code, text) = run(&["cache", "build", "square.obj", "--layout", layout, "--out", "a.bvh"], here);
+        assert_eq!(code, 0, "{text}");
+        let (code, text) = run(&["cache", "info", "a.bvh"], here);
+        assert_eq!(code, 0, "{text}");
+        for words in [layout, "sah", "2 (2 in leaves)", "bytes"] {
+            assert!(text.contains(words), "{words} is not in: {text}");
+        }
+        assert_eq!(run(&["cache", "verify", "a.bvh"], here).0, 0);
+        assert_eq!(run(&["cache", "verify", "a.bvh", "--scene", "square.obj"], here).0, 0);
+        let (code, text) = run(&["cache", "verify", "a.bvh", "--scene", "other.obj"], here);
+        assert!(code == 1 && text.contains("built over other geometry"), "{text}");
+        let mut bytes = std::fs::read(here.join("a.bvh")).expect("there");
+        bytes[600] ^= 1;
+        std::fs::write(here.join("a.bvh"), bytes).expect("written");
+        let (code, text) = run(&["cache", "verify", "a.bvh"], here);
+        assert!(code == 1 && text.contains("section of the file is damaged"), "{text}");
+    }
+    // Names by content, in a directory; and what is not ours stays.
+    for (layout, files) in [("blocks", 1), ("blocks", 1), ("compact", 2)] {
+        let (code, text) = run(&["cache", "build", "square.obj", "--layout", layout, "--dir", "trees"], here);
+        assert_eq!(code, 0, "{text}");
+        assert_eq!(std::fs::read_dir(here.join("trees")).expect("there").count(), files);
+    }
+    for (name, content) in [("notes.txt", "hello"), ("other.bvh", "BVH of another program"), (".bvh-abc123", "half")] {
+        std::fs::write(here.join("trees").join(name), content).expect("written");
+    }
+    let (code, text) = run(&["cache", "clear", "--dir", "trees"], here);
+    assert!(code == 0 && text.contains("deleted 3 files"), "{text}");
+    let mut left: Vec<_> =
+        std::fs::read_dir(here.join("trees")).expect("there").flatten().map(|e| e.file_name()).collect();
+    left.sort();
+    assert_eq!(left, ["notes.txt", "other.bvh"]);
+}
+
+#[test]
+fn cache_bench_measures_what_a_load_takes() {
+    let folder = directory();
+    let (code, text) = run(&["cache", "bench", "builtin:terrain:3k", "--rounds", "1"], folder.path());
+    assert_eq!(code, 0, "{text}");
+    for words in ["build, sah", "load, all checks", "map, all checks", "GB/s", "on disk", "compact", "sah: a"] {
+        assert!(text.contains(words), "{words} is not in: {text}");
+    }
+}
+
+/// A disk that is full, as far as the writer can tell: a limit on the size of files, first as an error and then as a signal
+/// that ends the process in the middle. And processes that are killed at any time. The old file stays as it was.
+#[test]
+#[cfg(unix)]
+fn a_write_that_fails_leaves_the_old_file() {
+    let folder = directory();
+    let here = folder.path();
+    square(here);
+    let (code, text) = run(&["cache", "build", "square.obj", "--out", "a.bvh"], here);
+    assert_eq!(code, 0, "{text}");
+    let old = std::fs::read(here.join("a.bvh")).expect("there");
+    let xtask = env!("CARGO_BIN_EXE_xtask");
+    let build = "cache build builtin:terrain:20k --out a.bvh";
+    for (prepare, is_ended) in [("trap '' XFSZ; ulimit -f 100", false), ("ulimit -f 100", true)] {
+        let script = format!("{prepare}; exec '{xtask}' {build}");
+        let output = Command::new("sh").args(["-c", &script]).current_dir(here).output().expect("sh starts");
+        assert_eq!(output.status.code().is_none(), is_ended, "{output:?}");
+        assert!(is_ended || output.status.code() == Some(1), "{output:?}");
+        assert!(std::fs::read(here.join("a.bvh")).expect("there") == old, "{prepare}");
+    }
+    let temporary = || {
+        let names = std::fs::read_dir(here).expect("there").flatten().map(|e| e.file_name());
+        names.filter(|name| name.to_string_lossy().starts_with(".bvh-")).count()
+    };
+    // The one that was ended left its file, which is of no use.
+    assert_eq!(temporary(), 1);
+    for delay in 0..12 {
+        let mut child = Command::new(xtask).args(build.split(' ')).current_dir(here).spawn().expect("xtask starts");
+        std::thread::sleep(std::time::Duration::from_millis(7 * delay));
+        child.kill().expect("killed or ended");
+        child.wait().expect("ended");
+        let (code, text) = run(&["cache", "verify", "a.bvh"], here);
+        assert_eq!(code, 0, "{text}");
+    }
+    assert_eq!(run(&["cache", "clear", "--dir", "."], here).0, 0);
+    assert_eq!(temporary(), 0);
+    assert!(here.join("square.obj").exists());
 }

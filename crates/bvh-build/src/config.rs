@@ -1,5 +1,7 @@
 //! How a tree is to be built.
 
+use std::fmt;
+
 use crate::{BuildError, Reinsertion, SpatialSplits};
 
 /// How a node's primitives are divided between its children: pbrt's four ways.
@@ -214,6 +216,51 @@ impl BuildConfig {
         }
         self.spatial_splits.map_or(Ok(()), |splits| splits.validate())?;
         self.reinsertion.map_or(Ok(()), |reinsertion| reinsertion.validate())
+    }
+}
+
+/// Every parameter, in words: two configurations are equal if and only if these are.
+impl fmt::Display for BuildConfig {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        // All of them, so that a new one is not forgotten.
+        let Self {
+            split_method,
+            max_primitives_in_leaf,
+            traversal_cost,
+            intersection_cost,
+            leaf_cost,
+            buckets,
+            axes,
+            morton_bits,
+            reinsertion,
+            spatial_splits,
+        } = self;
+        let method = split_method.name();
+        let axes = match axes {
+            SplitAxes::Dominant => "the dominant axis",
+            SplitAxes::All => "all axes",
+        };
+        let bits = match morton_bits {
+            MortonBits::Auto => "30 or 63",
+            MortonBits::Bits30 => "30",
+            MortonBits::Bits63 => "63",
+        };
+        write!(
+            f,
+            "{method}, leaves of at most {max_primitives_in_leaf}, costs {traversal_cost}, {intersection_cost} and {leaf_cost}, "
+        )?;
+        write!(f, "{buckets} buckets on {axes}, Morton codes of {bits} bits, ")?;
+        match reinsertion {
+            Some(Reinsertion { passes, fraction }) => write!(f, "{passes} passes of reinsertion of {fraction}, ")?,
+            None => write!(f, "no reinsertion, ")?,
+        }
+        match spatial_splits {
+            Some(SpatialSplits { overlap_threshold, budget, least_references }) => write!(
+                f,
+                "spatial splits above an overlap of {overlap_threshold}, from {least_references} references on, budget {budget}"
+            ),
+            None => write!(f, "no spatial splits"),
+        }
     }
 }
 

@@ -81,6 +81,10 @@ mod split;
 mod subtree;
 mod tree;
 
+/// The version of the builder: another one makes other trees of the same bounds and the same configuration. To be raised with
+/// every change that does, so that trees which are kept in files are told from new ones.
+pub const BUILDER_VERSION: u32 = 1;
+
 pub use builder::{build, build_observed, build_split};
 pub use config::{BuildConfig, MortonBits, SplitAxes, SplitMethod};
 pub use depth::MAX_DEPTH;

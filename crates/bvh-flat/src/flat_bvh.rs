@@ -12,12 +12,33 @@ pub const MAX_DEPTH: usize = 96;
 ///
 /// Valid by construction (see [`from_parts`](Self::from_parts)), so traversal need not check. A tree without nodes is
 /// met by no ray.
+///
+/// With the feature `serde` it can be kept in any codec; what comes out of one goes through [`from_parts`](Self::from_parts).
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(try_from = "Parts"))]
 pub struct FlatBvh {
     nodes: Vec<LinearBvhNode>,
     order: Vec<u32>,
     primitive_count: u32,
     extra_references: u32,
+}
+
+/// What a codec has of a tree.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+struct Parts {
+    nodes: Vec<LinearBvhNode>,
+    order: Vec<u32>,
+    primitive_count: u32,
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<Parts> for FlatBvh {
+    type Error = InvalidBvh;
+
+    fn try_from(parts: Parts) -> Result<Self, InvalidBvh> {
+        Self::from_parts(parts.nodes, parts.order, parts.primitive_count)
+    }
 }
 
 impl FlatBvh {
@@ -84,6 +105,24 @@ impl FlatBvh {
     /// The box around everything; empty for an empty tree.
     pub fn bounds(&self) -> Bounds3 {
         self.nodes.first().map_or(Bounds3::EMPTY, LinearBvhNode::bounds)
+    }
+
+    /// The number of nodes on the longest path: 1 for a single leaf, 0 for an empty tree.
+    pub fn depth(&self) -> usize {
+        // The depths of the second children to come.
+        let mut pending = Vec::new();
+        let (mut next, mut deepest) = (Some(1), 0);
+        for node in &self.nodes {
+            let depth = next.unwrap_or_default();
+            deepest = deepest.max(depth);
+            next = if node.is_leaf() {
+                pending.pop()
+            } else {
+                pending.push(depth + 1);
+                Some(depth + 1)
+            };
+        }
+        deepest
     }
 
     /// The memory of nodes and order, in bytes.

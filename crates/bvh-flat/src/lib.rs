@@ -5,13 +5,18 @@
 //! This is the only crate that knows the bytes of a tree. A [`FlatBvh`] is valid by construction: traversal relies on
 //! it and checks nothing again. The tree hands a leaf's *range* to whoever stores the primitives; nothing in the tree
 //! knows what a primitive is. Without the feature `build` the crate traces trees and has no builder, no rayon and no
-//! radix sort. It prints nothing, reads no clock, and never panics on input. `unsafe` code is in the module `simd` alone.
+//! radix sort. It prints nothing, reads no clock, and never panics on input. `unsafe` code is in the module
+//! `simd`, and with the feature `mmap` in `mapped`.
 
 mod aggregate;
+#[cfg(feature = "cache")]
+pub mod cache;
 mod exact_mesh;
 mod flat_bvh;
 #[cfg(feature = "build")]
 mod flatten;
+#[cfg(feature = "mmap")]
+mod mapped;
 mod mesh_bvh;
 mod node;
 mod ray_segment;
@@ -36,4 +41,6 @@ pub use primitive;
 pub use ray_segment::RaySegment;
 pub use simd::SimdWidth;
 pub use validate::InvalidBvh;
+#[cfg(feature = "cache")]
+pub use wide::InvalidWideTree;
 pub use wide_mesh::{WideLayout, WideMesh};

@@ -11,6 +11,7 @@ use geometry::{Axis, Bounds3};
 /// Nodes stand depth first: the first child of an interior node is the next node, the second is at `offset`. A leaf has
 /// the primitives `offset .. offset + count` of the primitive order.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[repr(C, align(32))]
 pub struct LinearBvhNode {
     pub(crate) min: [f32; 3],

@@ -148,16 +148,30 @@ pub(crate) fn validate(
     validate_order(order, primitive_count, extra_references)
 }
 
-/// Each primitive at most once, but for so many times: one bit for each. Refused before the bits are allocated if the counts
-/// cannot be.
+/// Each primitive at most once, but for so many times: one bit for each. Where few have a place in the order, that could be
+/// much memory for little, and a copy of the order is sorted instead.
 fn validate_order(order: &[u32], primitive_count: u32, mut extra_references: u32) -> Result<(), InvalidBvh> {
     let largest = order.iter().copied().max().map_or(0, |p| p as usize + 1);
+    let refused = |place: usize| InvalidBvh::Order { place, primitive: order[place], primitive_count };
+    if largest / 32 > order.len() {
+        if let Some(place) = order.iter().position(|&primitive| primitive >= primitive_count) {
+            return Err(refused(place));
+        }
+        let mut sorted = order.to_vec();
+        sorted.sort_unstable();
+        let mut again = sorted.windows(2).filter(|pair| pair[0] == pair[1]).map(|pair| pair[0]);
+        let one_too_many = again.nth(extra_references as usize);
+        return match one_too_many.and_then(|again| order.iter().rposition(|&primitive| primitive == again)) {
+            Some(place) => Err(refused(place)),
+            None => Ok(()),
+        };
+    }
     let mut seen = vec![0_u64; largest.min(primitive_count as usize).div_ceil(64)];
     for (place, &primitive) in order.iter().enumerate() {
         let (word, bit) = (primitive as usize / 64, 1_u64 << (primitive % 64));
         let is_extra = primitive < primitive_count && seen[word] & bit != 0;
         if primitive >= primitive_count || (is_extra && extra_references == 0) {
-            return Err(InvalidBvh::Order { place, primitive, primitive_count });
+            return Err(refused(place));
         }
         extra_references -= u32::from(is_extra);
         seen[word] |= bit;
@@ -267,6 +281,36 @@ mod tests {
             damage(&mut nodes, &mut order);
             assert!(FlatBvh::from_parts(nodes, order, 4).is_err(), "{name}");
         }
+    }
+
+    /// Few of very many primitives: by sorting, and not with a bit for each.
+    #[test]
+    fn sparse_orders_are_permutations_too() {
+        let nodes = tree().0;
+        for (order, place) in [
+            ([7, 1 << 30, 5, u32::MAX - 1], None),
+            ([7, 1 << 30, 5, u32::MAX], Some(3)),
+            ([7, 1 << 30, 7, 5], Some(2)),
+            ([1 << 30, 7, 5, 1 << 30], Some(3)),
+        ] {
+            let refused = FlatBvh::from_parts(nodes.clone(), order.to_vec(), u32::MAX).err();
+            let expected =
+                place.map(|place| InvalidBvh::Order { place, primitive: order[place], primitive_count: u32::MAX });
+            assert_eq!(refused, expected);
+        }
+    }
+
+    #[test]
+    #[cfg(feature = "serde")]
+    fn a_codec_goes_through_the_validating_constructor() {
+        let (nodes, order) = tree();
+        let bvh = FlatBvh::from_parts(nodes, order, 4).expect("a tree");
+        let text = serde_json::to_string(&bvh).expect("numbers");
+        assert_eq!(serde_json::from_str::<FlatBvh>(&text).expect("a tree"), bvh);
+        let damaged = text.replace("\"offset\":3", "\"offset\":4");
+        assert_ne!(damaged, text);
+        let error = serde_json::from_str::<FlatBvh>(&damaged).expect_err("no tree");
+        assert!(error.to_string().contains("its second child cannot be node 4"), "{error}");
     }
 
     #[test]

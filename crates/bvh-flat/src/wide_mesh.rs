@@ -133,6 +133,18 @@ impl WideMesh {
         Some(Self { triangles, layout, width: SimdWidth::default() })
     }
 
+    /// A mesh and a tree that has been validated, or made.
+    #[cfg(feature = "cache")]
+    pub(crate) fn from_triangles(triangles: Triangles, layout: WideLayout) -> Self {
+        Self { triangles: Arc::new(triangles), layout, width: SimdWidth::default() }
+    }
+
+    /// The tree.
+    #[cfg(feature = "cache")]
+    pub(crate) fn tree(&self) -> &crate::wide::WideTree {
+        &self.triangles.tree
+    }
+
     /// The same mesh and tree, traversed with another width.
     #[must_use]
     pub fn with_simd_width(&self, width: SimdWidth) -> Self {

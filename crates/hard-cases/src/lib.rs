@@ -2,7 +2,7 @@
 //! answer and the condition of passing. Unpublished.
 //!
 //! A case has an id: a letter for what it is hard on (**B**uild, boxe**S** and traversal, **T**riangles, s**P**heres,
-//! **I**nstances, **A**nimation, spawned **R**ays) and a number. It is run on a [`Subject`], the way in which a mesh is
+//! **I**nstances, **A**nimation, spawned **R**ays, cache files: **X**) and a number. It is run on a [`Subject`], the way in which a mesh is
 //! made to answer rays: the library's own at first, and in tests a deliberately damaged one, which must fail. The
 //! library's own is exact, and no case excuses it; its binary tree with watertight kernels is kept beside it.
 
@@ -10,6 +10,7 @@ mod aim;
 mod animation;
 mod boxes;
 mod build;
+mod cache;
 mod exact_triangles;
 mod instances;
 mod outcome;
@@ -20,6 +21,7 @@ mod subject;
 mod triangles;
 
 pub use aim::{Aim, aimed_rays};
+pub use cache::{check_fuzzed, files_with_huge_counts, fuzzed_mesh};
 pub use outcome::{Outcome, Tries};
 pub use random::Random;
 pub use subject::{AnyShape, BinaryWatertight, Library, Subject};
@@ -82,6 +84,15 @@ pub const BINARY_OPEN: [(&str, &str); 4] = [
 
 /// The whole catalogue, in the order of the ids within each letter.
 pub fn cases() -> Vec<Case> {
-    [build::CASES, boxes::CASES, triangles::CASES, spheres::CASES, instances::CASES, animation::CASES, spawned::CASES]
-        .concat()
+    [
+        build::CASES,
+        boxes::CASES,
+        triangles::CASES,
+        spheres::CASES,
+        instances::CASES,
+        animation::CASES,
+        spawned::CASES,
+        cache::CASES,
+    ]
+    .concat()
 }

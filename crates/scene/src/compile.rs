@@ -77,6 +77,9 @@ pub trait MeshTree: Shape + Clone {
 
     /// What is kept beside the mesh itself, in bytes.
     fn memory(&self) -> usize;
+
+    /// How long a cache file with the tree is, in bytes.
+    fn file_length(&self) -> u64;
 }
 
 impl MeshTree for WideMesh {
@@ -90,6 +93,10 @@ impl MeshTree for WideMesh {
 
     fn memory(&self) -> usize {
         self.memory()
+    }
+
+    fn file_length(&self) -> u64 {
+        self.file_length()
     }
 }
 
@@ -105,6 +112,11 @@ impl MeshTree for ExactMesh {
     fn memory(&self) -> usize {
         self.memory()
     }
+
+    /// That of the binary tree.
+    fn file_length(&self) -> u64 {
+        self.bvh().file_length()
+    }
 }
 
 impl<K: Kernels + Clone> MeshTree for MeshBvh<K> {
@@ -118,6 +130,10 @@ impl<K: Kernels + Clone> MeshTree for MeshBvh<K> {
 
     fn memory(&self) -> usize {
         self.memory()
+    }
+
+    fn file_length(&self) -> u64 {
+        self.bvh().file_length()
     }
 }
 

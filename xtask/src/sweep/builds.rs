@@ -31,6 +31,8 @@ pub struct Build {
     pub sah_cost: f64,
     /// Of all that is kept beside the scene itself.
     pub bytes: u64,
+    /// Of cache files with the trees over meshes.
+    pub bytes_on_disk: u64,
 }
 
 /// The time of a build, and that of each phase.
@@ -103,5 +105,6 @@ fn figures(
         depth: trees.iter().map(|t| t.depth).max().unwrap_or(0),
         sah_cost: weighted_cost / sum(|t| t.active_count).max(1) as f64,
         bytes: compiled.memory() as u64,
+        bytes_on_disk: compiled.file_length(),
     }
 }

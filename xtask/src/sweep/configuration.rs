@@ -139,6 +139,14 @@ impl Trees {
         })
     }
 
+    /// How long cache files with the trees over meshes are together, in bytes.
+    pub fn file_length(&self) -> u64 {
+        match self {
+            Self::Wide(compiled) => compiled.meshes().iter().map(MeshTree::file_length).sum(),
+            Self::Binary(compiled) => compiled.meshes().iter().map(MeshTree::file_length).sum(),
+        }
+    }
+
     /// What is kept beside the scene itself, in bytes.
     pub fn memory(&self) -> usize {
         match self {

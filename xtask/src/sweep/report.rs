@@ -31,8 +31,18 @@ fn print_builds(sweep: &Sweep, threads: usize) {
     println!(
         "\nBuild, {threads} threads, {timed}; nodes, depth and cost are those of the binary trees that are built first"
     );
-    let header =
-        ["layout", "split method", "build ms", "Mprim/s", "nodes", "leaves", "depth", "SAH cost", "bytes/prim"];
+    let header = [
+        "layout",
+        "split method",
+        "build ms",
+        "Mprim/s",
+        "nodes",
+        "leaves",
+        "depth",
+        "SAH cost",
+        "bytes/prim",
+        "on disk",
+    ];
     let mut builds = table(&header, 2);
     for build in &sweep.builds {
         builds.add_row([
@@ -45,6 +55,7 @@ fn print_builds(sweep: &Sweep, threads: usize) {
             build.depth.to_string(),
             format!("{:.2}", build.sah_cost),
             format!("{:.1}", build.bytes as f64 / sweep.primitives.max(1) as f64),
+            format!("{:.1}", build.bytes_on_disk as f64 / sweep.primitives.max(1) as f64),
         ]);
     }
     println!("{builds}");

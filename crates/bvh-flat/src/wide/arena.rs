@@ -10,7 +10,7 @@ use crate::simd::{LANES, LEAF_NUMBERS, prefetch};
 pub(crate) struct Line(pub(crate) [u32; 16]);
 
 /// How many lines can be read from the first line of a leaf on, whatever its size: as many follow the last leaf.
-const LEAF_LINES: usize = LEAF_NUMBERS / 16;
+pub(crate) const LEAF_LINES: usize = LEAF_NUMBERS / 16;
 
 /// The most lines that references of 28 bits can name: 16 GiB.
 pub(crate) const MAX_LINES: usize = 1 << 28;
@@ -58,10 +58,16 @@ impl Child {
     }
 }
 
+/// Lines in memory.
+#[cfg(not(feature = "mmap"))]
+pub(crate) type Lines = Vec<Line>;
+#[cfg(feature = "mmap")]
+pub(crate) use crate::mapped::Lines;
+
 /// The lines of a tree.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Arena {
-    lines: Vec<Line>,
+    lines: Lines,
 }
 
 impl Arena {
@@ -69,10 +75,23 @@ impl Arena {
     ///
     /// Rejected: large pages. With all 84 MB of kitchen's tree in pages of 2 MiB no kind of ray was faster by more than the
     /// noise of 2 %, nor on dragon and black-forest.
+    #[cfg_attr(not(feature = "mmap"), expect(clippy::useless_conversion, reason = "with `mmap` a type of its own"))]
     pub(crate) fn new(mut lines: Vec<Line>) -> Self {
         lines.extend([Line::default(); LEAF_LINES]);
         lines.shrink_to_fit();
+        Self { lines: lines.into() }
+    }
+
+    /// The lines that [`all`](Self::all) gave.
+    #[cfg(feature = "cache")]
+    pub(crate) fn from_all(lines: Lines) -> Self {
         Self { lines }
+    }
+
+    /// All lines, with those of zeros behind the last leaf.
+    #[cfg(feature = "cache")]
+    pub(crate) fn all(&self) -> &[Line] {
+        &self.lines
     }
 
     /// The lines from `first` on; `None` where there are none, which a tree's own references never name.
@@ -103,6 +122,6 @@ impl Arena {
 
     /// Its memory in bytes.
     pub(crate) fn memory(&self) -> usize {
-        size_of_val(self.lines.as_slice())
+        size_of_val::<[Line]>(&self.lines)
     }
 }

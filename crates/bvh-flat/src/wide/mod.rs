@@ -9,7 +9,11 @@ mod queries;
 mod traverse;
 mod triangle_ray;
 mod triangles;
+#[cfg(feature = "cache")]
+mod validate;
 
+#[cfg(feature = "cache")]
+pub(crate) use arena::Arena;
 #[cfg(feature = "build")]
 pub(crate) use arena::MAX_LINES;
 pub(crate) use arena::{Child, Line};
@@ -23,3 +27,7 @@ pub(crate) use traverse::{Query, traverse};
 pub(crate) use triangles::{Blocks, Compact, Layout, TriangleWriter, Triangles};
 #[cfg(feature = "build")]
 pub(crate) use triangles::{LEAF_COST, TRIANGLE_COST};
+#[cfg(feature = "cache")]
+pub use validate::InvalidWideTree;
+#[cfg(feature = "cache")]
+pub(crate) use validate::{WideCounts, validate, validate_alone};

@@ -3,8 +3,14 @@
 use bytemuck::{Pod, Zeroable};
 use geometry::Bounds3;
 
+#[cfg(feature = "cache")]
+mod checked;
+
 use super::arena::{Child, Line};
 use crate::simd::{LANES, Lanes};
+
+#[cfg(feature = "cache")]
+pub(crate) use checked::CheckedNode;
 
 /// A node in an arena: the boxes of up to eight children, one in each lane, what they are, and in which order to visit
 /// them.

@@ -10,9 +10,12 @@ use super::node::WideNode;
 use crate::MAX_DEPTH;
 use crate::simd::{Lanes, LanesOf, Stack};
 
-/// A wide tree is no deeper than the binary one that it was made of, whose large leaves may have been divided, by 13
-/// levels at most; each level leaves seven children on the stack, and eight are written at once.
-const STACK: usize = 7 * (MAX_DEPTH + 13) + 16;
+/// The most nodes on a path of a wide tree, with the leaf: it is no deeper than the binary one that it was made of, whose
+/// large leaves may have been divided, by 13 levels at most.
+pub(crate) const MAX_WIDE_DEPTH: usize = MAX_DEPTH + 13;
+
+/// Each level leaves seven children on the stack, and eight are written at once.
+const STACK: usize = 7 * MAX_WIDE_DEPTH + 16;
 
 /// What is asked of the primitives on a ray's way.
 pub(crate) trait Query {

@@ -6,10 +6,16 @@ use std::sync::Arc;
 use geometry::TriangleMesh;
 use geometry::glam::Vec3;
 
+#[cfg(feature = "cache")]
+mod checked;
+
 use super::arena::{Child, Line};
 use super::collapse::{LeafWriter, WideTree};
 use super::node::{CompactNode, FullNode, WideNode};
 use crate::simd::LEAF_NUMBERS;
+
+#[cfg(feature = "cache")]
+pub(crate) use checked::CheckedLayout;
 
 /// Numbers of primitives are stored with this added: small ones, read as f32 by a load that begins in the numbers before
 /// them, would be denormal, which some processors are slow at.

@@ -1,0 +1,89 @@
+//! What a file says of itself.
+
+use std::path::Path;
+
+use geometry::Bounds3;
+
+use super::header::Header;
+use super::source::{OpenFile, Source};
+use super::{CacheError, GeometryKey, TreeLayout, TreeOptions};
+use crate::FlatBvh;
+
+/// What the header of a file says of the tree in it.
+#[derive(Clone, Debug)]
+pub struct CacheInfo {
+    header: Header,
+    file_length: u64,
+}
+
+impl CacheInfo {
+    /// Reads a header, and checks that it is whole; nothing behind it is looked at.
+    ///
+    /// # Errors
+    /// [`CacheError`], as for all that looks into a file.
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, CacheError> {
+        let file = OpenFile::open(path.as_ref())?;
+        Ok(Self { header: Header::read(&file)?, file_length: file.len() })
+    }
+
+    /// How the tree was built.
+    pub fn options(&self) -> &TreeOptions {
+        &self.header.options
+    }
+
+    /// Over what it was built.
+    pub fn geometry(&self) -> GeometryKey {
+        self.header.geometry
+    }
+
+    /// How many primitives the geometry has, counting those that cannot be hit.
+    pub fn primitive_count(&self) -> u64 {
+        self.header.counts.primitives
+    }
+
+    /// How many references to primitives the leaves have.
+    pub fn reference_count(&self) -> u64 {
+        self.header.counts.references
+    }
+
+    /// How many nodes there are: of a binary tree all, of a wide one those with children.
+    pub fn node_count(&self) -> u64 {
+        self.header.counts.nodes
+    }
+
+    /// How many leaves there are.
+    pub fn leaf_count(&self) -> u64 {
+        self.header.counts.leaves
+    }
+
+    /// The number of nodes on the longest path, with the leaf.
+    pub fn depth(&self) -> u32 {
+        self.header.counts.depth
+    }
+
+    /// The box around everything.
+    pub fn bounds(&self) -> Bounds3 {
+        self.header.bounds
+    }
+
+    /// The length of the file in bytes.
+    pub fn file_length(&self) -> u64 {
+        self.file_length
+    }
+}
+
+/// Checks a file as far as that goes without the geometry: the header, all sums, and the structure. What is left is whether
+/// the boxes of binary and compact trees are around the primitives, which are not in the file, and whether any is missing:
+/// that a load checks.
+///
+/// # Errors
+/// [`CacheError`]: what is wrong, and where.
+pub fn verify(path: impl AsRef<Path>) -> Result<CacheInfo, CacheError> {
+    let file = OpenFile::open(path.as_ref())?;
+    let header = Header::read(&file)?;
+    match header.options.layout {
+        TreeLayout::Binary => FlatBvh::read(&file, None, None).map(drop)?,
+        TreeLayout::Wide(_) => super::wide::verify_alone(&file, &header)?,
+    }
+    Ok(CacheInfo { header, file_length: file.len() })
+}

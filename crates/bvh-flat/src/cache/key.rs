@@ -1,0 +1,124 @@
+//! What a tree was made of: of which geometry, and how.
+
+use std::fmt;
+
+use geometry::{Bounds3, TriangleMesh};
+
+use super::checksum::{sum, sum_of_pieces};
+use super::header::VERSION;
+use crate::WideLayout;
+#[cfg(feature = "build")]
+use crate::{BuildConfig, bvh_build::BUILDER_VERSION};
+
+/// A fingerprint of geometry, of 128 bits: other bits anywhere in it make another key. Texture coordinates do not count,
+/// since no tree depends on them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct GeometryKey(pub(crate) u128);
+
+impl GeometryKey {
+    /// Of the vertices' positions and the triangles of a mesh.
+    pub fn of_mesh(mesh: &TriangleMesh) -> Self {
+        let positions: &[u8] = bytemuck::cast_slice(mesh.positions());
+        let triangles: &[u8] = bytemuck::cast_slice(mesh.triangles());
+        let counts = [mesh.positions().len(), mesh.len()].map(|count| (count as u64).to_le_bytes());
+        let sums = [positions, triangles].map(|bytes| sum_of_pieces(bytes).to_le_bytes());
+        Self(sum(&[b"mesh".as_slice(), counts.as_flattened(), sums.as_flattened()].concat()))
+    }
+
+    /// Of the boxes of any primitives, in their order.
+    pub fn of_bounds(bounds: &[Bounds3]) -> Self {
+        let corners: Vec<[f32; 3]> = bounds.iter().flat_map(|b| [b.min.to_array(), b.max.to_array()]).collect();
+        let count = (bounds.len() as u64).to_le_bytes();
+        let boxes = sum_of_pieces(bytemuck::cast_slice(&corners)).to_le_bytes();
+        Self(sum(&[b"boxes".as_slice(), &count, &boxes].concat()))
+    }
+}
+
+/// 32 hexadecimal digits.
+impl fmt::Display for GeometryKey {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:032x}", self.0)
+    }
+}
+
+/// The form in which a file has a tree.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum TreeLayout {
+    /// Of a [`FlatBvh`](crate::FlatBvh).
+    Binary,
+    /// Of a [`WideMesh`](crate::WideMesh).
+    Wide(WideLayout),
+}
+
+impl TreeLayout {
+    pub(crate) const fn code(self) -> u32 {
+        match self {
+            Self::Binary => 0,
+            Self::Wide(WideLayout::Blocks) => 1,
+            Self::Wide(WideLayout::Compact) => 2,
+        }
+    }
+
+    pub(crate) fn from_code(code: u32) -> Option<Self> {
+        let all = [Self::Binary, Self::Wide(WideLayout::Blocks), Self::Wide(WideLayout::Compact)];
+        all.into_iter().find(|layout| layout.code() == code)
+    }
+
+    /// Of the bytes inside of the sections: to be raised with every change of nodes, leaves or their order.
+    pub(crate) const fn version(self) -> u32 {
+        match self {
+            Self::Binary | Self::Wide(WideLayout::Blocks | WideLayout::Compact) => 1,
+        }
+    }
+}
+
+/// `binary`, `wide blocks`, `wide compact`.
+impl fmt::Display for TreeLayout {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Binary => f.write_str("binary"),
+            Self::Wide(layout) => write!(f, "wide {}", layout.name()),
+        }
+    }
+}
+
+/// How a tree was built: the layout, the version of the builder, and every parameter of its configuration.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct TreeOptions {
+    pub(crate) layout: TreeLayout,
+    pub(crate) description: String,
+}
+
+impl TreeOptions {
+    /// Those of a build with `config`. Wide trees are made from leaves of one primitive, whatever it says.
+    #[cfg(feature = "build")]
+    pub fn new(config: &BuildConfig, layout: TreeLayout) -> Self {
+        let config = match layout {
+            TreeLayout::Binary => *config,
+            TreeLayout::Wide(_) => config.with_max_primitives_in_leaf(1),
+        };
+        Self { layout, description: format!("builder {BUILDER_VERSION}: {config}") }
+    }
+
+    /// The layout.
+    pub fn layout(&self) -> TreeLayout {
+        self.layout
+    }
+
+    /// The rest, in words.
+    pub fn description(&self) -> &str {
+        &self.description
+    }
+
+    /// The name of a file with the tree of such options over the geometry: 32 hexadecimal digits and `.bvh`. Equal content
+    /// has an equal name, in this version of the format, so that jobs can share a directory.
+    pub fn file_name(&self, geometry: GeometryKey) -> String {
+        let [version, layout_version] = [VERSION, self.layout.version()].map(u32::to_le_bytes);
+        let keys = [geometry.0, self.key()].map(u128::to_le_bytes);
+        format!("{:032x}.bvh", sum(&[&version, &layout_version, keys.as_flattened()].concat()))
+    }
+
+    pub(crate) fn key(&self) -> u128 {
+        sum(&[&self.layout.code().to_le_bytes(), self.description.as_bytes()].concat())
+    }
+}

@@ -1,0 +1,67 @@
+//! Where a file's bytes come from: any part of them at any time, from several threads.
+
+use std::fs::File;
+use std::io;
+use std::path::Path;
+
+/// Bytes of a known number.
+pub(crate) trait Source: Sync {
+    fn len(&self) -> u64;
+
+    /// Fills `to` with the bytes from `offset` on.
+    fn read_exact_at(&self, offset: u64, to: &mut [u8]) -> io::Result<()>;
+}
+
+impl Source for &[u8] {
+    fn len(&self) -> u64 {
+        <[u8]>::len(self) as u64
+    }
+
+    fn read_exact_at(&self, offset: u64, to: &mut [u8]) -> io::Result<()> {
+        let bytes = usize::try_from(offset).ok().and_then(|offset| self.get(offset..)?.get(..to.len()));
+        to.copy_from_slice(bytes.ok_or(io::ErrorKind::UnexpectedEof)?);
+        Ok(())
+    }
+}
+
+/// A file, with the length that it had when it was opened.
+pub(crate) struct OpenFile {
+    #[cfg(unix)]
+    pub(crate) file: File,
+    /// Its position is shared.
+    #[cfg(not(unix))]
+    pub(crate) file: std::sync::Mutex<File>,
+    len: u64,
+}
+
+impl OpenFile {
+    pub(crate) fn open(path: &Path) -> io::Result<Self> {
+        let file = File::open(path)?;
+        let metadata = file.metadata()?;
+        if metadata.is_dir() {
+            return Err(io::ErrorKind::IsADirectory.into());
+        }
+        #[cfg(not(unix))]
+        let file = std::sync::Mutex::new(file);
+        Ok(Self { file, len: metadata.len() })
+    }
+}
+
+impl Source for OpenFile {
+    fn len(&self) -> u64 {
+        self.len
+    }
+
+    #[cfg(unix)]
+    fn read_exact_at(&self, offset: u64, to: &mut [u8]) -> io::Result<()> {
+        std::os::unix::fs::FileExt::read_exact_at(&self.file, to, offset)
+    }
+
+    #[cfg(not(unix))]
+    fn read_exact_at(&self, offset: u64, to: &mut [u8]) -> io::Result<()> {
+        use std::io::{Read, Seek, SeekFrom};
+        let mut file = self.file.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        file.seek(SeekFrom::Start(offset))?;
+        file.read_exact(to)
+    }
+}
