@@ -257,7 +257,7 @@ impl fmt::Display for BuildConfig {
         match spatial_splits {
             Some(SpatialSplits { overlap_threshold, budget, least_references }) => write!(
                 f,
-                "spatial splits above an overlap of {overlap_threshold}, from {least_references} references on, budget {budget}"
+                "spatial splits above an overlap of {overlap_threshold:e}, from {least_references} references on, budget {budget}"
             ),
             None => write!(f, "no spatial splits"),
         }

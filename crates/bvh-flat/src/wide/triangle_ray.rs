@@ -93,6 +93,10 @@ impl TriangleRay {
     /// counted above, since D >= 2⁻³² then. Where t is below 2⁻⁶⁰ nothing is certain. *Overflow.* Edge functions are below
     /// 2¹²⁷, as the origin is within 2⁶¹. Where |Σe| is beyond 2⁶⁰ nothing is certain. The comparisons are written so that
     /// NaN is neither missed nor certain.
+    ///
+    /// Rejected: to leave early where the depths of the vertices already say that t* is outside of the interval, a branch
+    /// more that is hard to foresee (1 %); and to let f64 decide about all that edge functions leave, by which what comes
+    /// next waits longer for t (bunny's diffuse rays 9 %, sponza's random ones 7 %).
     #[inline(always)]
     pub(crate) fn candidates<L: Lanes>(
         &self,
@@ -120,7 +124,6 @@ impl TriangleRay {
         if maybe == 0 {
             return None;
         }
-        // The depths of the vertices bound t* of what is hit, whatever its edge functions are.
         let rdz = L::splat(-self.rdz);
         let size = L::add(depth, d);
         let of_depth = L::mul_add(size, L::splat(20.0 * U), L::splat(self.origin_error));
@@ -129,12 +132,7 @@ impl TriangleRay {
         let b = L::mul(L::max(az, L::max(bz, cz)), rdz);
         let (first, last) = (L::min(a, b), L::max(a, b));
         let spread = L::sub(last, first);
-        let (first, last) = (L::sub(first, of_depth), L::add(last, of_depth));
         let (t_min, t_max) = (L::splat(t_min), L::splat(t_max));
-        let maybe = maybe & !(L::lt(t_max, first) | L::lt(last, t_min));
-        if maybe == 0 {
-            return None;
-        }
         let r = L::max(largest::<L>(ax, ay), L::max(largest::<L>(bx, by), largest::<L>(cx, cy)));
         let of_r = L::mul_add(r, L::splat(3.0 * U), L::splat(self.origin_error / 8.0));
         let delta = L::mul_add(size, L::splat(8.0 * U), of_r);
