@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use std::marker::PhantomData;
 use std::ops::ControlFlow;
 
-use geometry::exact::{Enclosure, ExactRay, values_of_hit};
+use geometry::exact::{Enclosure, ExactRay, meets_plane_before, values_of_hit};
 use geometry::{Hit, HitVisitor, Interval, TraversalRay, TriangleHit, Visit, Work, round_down, round_up};
 
 use super::arena::Child;
@@ -39,6 +39,16 @@ impl<'a, Y: Layout> Asked<'a, Y> {
         let mut scratch = Y::Scratch::new();
         let leaf = self.leaf(leaf, &mut scratch)?;
         self.ray.candidates::<L>(leaf.numbers(), leaf.count(), [self.interval.t_min(), t_max])
+    }
+
+    /// Whether a triangle, though f32 leaves it open, lies before the interval for certain: most often it is the one that the
+    /// ray has just left.
+    #[cold]
+    #[inline(never)]
+    fn is_before(&self, ray: &TraversalRay, leaf: Child, lane: usize) -> bool {
+        let mut scratch = Y::Scratch::new();
+        let triangle = self.leaf(leaf, &mut scratch);
+        triangle.is_some_and(|leaf| meets_plane_before(ray, &leaf.vertices(lane), self.interval.t_min()))
     }
 
     /// Whether t* is in the interval for certain.
@@ -149,7 +159,7 @@ impl<Y: Layout> Query for ClosestQuery<'_, Y> {
                 if is_sure && is_first && self.asked.is_inside(low, high) {
                     (self.found, self.enclosure) = (Some(Found { leaf, lane, low }), None);
                     self.t_max = high;
-                } else if !self.is_found_again(leaf, lane) {
+                } else if !self.is_found_again(leaf, lane) && !self.asked.is_before(ray, leaf, lane) {
                     self.decide(ray, leaf, lane);
                 }
             }
@@ -222,7 +232,7 @@ impl<Y: Layout> Query for AnyQuery<'_, Y> {
         if let Some(Candidates { maybe, sure, low, high }) = self.asked.candidates::<L>(leaf, t_max) {
             for lane in LanesOf(maybe) {
                 let is_sure = sure >> lane & 1 == 1 && self.asked.is_inside(low[lane], high[lane]);
-                if is_sure || self.decide(ray, leaf, lane) {
+                if is_sure || !self.asked.is_before(ray, leaf, lane) && self.decide(ray, leaf, lane) {
                     self.is_hit = true;
                     return ControlFlow::Break(());
                 }

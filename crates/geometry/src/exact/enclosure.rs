@@ -3,6 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use super::rational::Line;
+use crate::TraversalRay;
 
 /// Half the spacing of f64 at 1: the relative error of one rounding.
 const U: f64 = f64::EPSILON / 2.0;
@@ -37,15 +38,7 @@ impl Enclosure {
     /// the product, and in the sum. Then n·p is wrong by 8u S·|p| and n·d by 7u S·|d|, to first order; 10u is for the rest.
     /// |N / D − N* / D*| <= (δN + |t| δD) / (|D| − δD), and 1/63 more of it for δD; the quotient and the ends are rounded.
     pub(super) fn of_plane(line: &Line, vertices: &[Vec3; 3]) -> Option<Self> {
-        let [v0, v1, v2] = vertices.map(|v| v.as_dvec3());
-        let (a, b, p, d) = (v1 - v0, v2 - v0, v0 - line.origin, line.direction);
-        let terms = |i: usize, j: usize| (a[i] * b[j], a[j] * b[i]);
-        let terms = [terms(1, 2), terms(2, 0), terms(0, 1)];
-        let n = DVec3::from_array(terms.map(|(x, y)| x - y));
-        let size = DVec3::from_array(terms.map(|(x, y)| x.abs() + y.abs()));
-        let (numerator, denominator) = (dot(n, p), dot(n, d));
-        let numerator_error = 10.0 * U * dot(size, p.abs()) + TINY;
-        let denominator_error = 10.0 * U * dot(size, d.abs()) + TINY;
+        let Plane { numerator, denominator, numerator_error, denominator_error } = Plane::new(line, vertices);
         let t = numerator / denominator;
         let error = (numerator_error + t.abs() * denominator_error) / denominator.abs();
         let is_certain = denominator.abs() >= 64.0 * denominator_error;
@@ -70,7 +63,51 @@ impl Enclosure {
     }
 }
 
+/// Whether a ray meets the plane of a triangle before `t` for certain, so that the triangle is not hit from there on. The
+/// triangle that a ray has just left is met a few ulp before 0, which is too near for f32, and needs neither edges nor a
+/// division.
+///
+/// With the notation and the errors of [`Enclosure::of_plane`], t* < t where n·p − t n·d and n·d have different signs; the
+/// first is wrong by 8u S·|p| + 8u t S·|d| to first order, its own difference included, and so by less than 10u of both.
+/// Compiled in place, so that a kernel for wider registers has it in its own instructions.
+#[inline(always)]
+pub fn meets_plane_before(ray: &TraversalRay, vertices: &[Vec3; 3], t: f32) -> bool {
+    let plane = Plane::new(&Line { origin: ray.origin64(), direction: ray.direction64() }, vertices);
+    let t = f64::from(t);
+    let beyond = plane.numerator - t * plane.denominator;
+    let error = plane.numerator_error + t.abs() * plane.denominator_error;
+    let is_certain = (beyond.abs() > error) & (plane.denominator.abs() > plane.denominator_error);
+    is_certain & ((beyond < 0.0) != (plane.denominator < 0.0))
+}
+
+/// n·p and n·d, each with a bound on its error: see [`Enclosure::of_plane`].
+struct Plane {
+    numerator: f64,
+    denominator: f64,
+    numerator_error: f64,
+    denominator_error: f64,
+}
+
+impl Plane {
+    #[inline(always)]
+    fn new(line: &Line, vertices: &[Vec3; 3]) -> Self {
+        let [v0, v1, v2] = vertices.map(|v| v.as_dvec3());
+        let (a, b, p, d) = (v1 - v0, v2 - v0, v0 - line.origin, line.direction);
+        let terms = |i: usize, j: usize| (a[i] * b[j], a[j] * b[i]);
+        let terms = [terms(1, 2), terms(2, 0), terms(0, 1)];
+        let n = DVec3::from_array(terms.map(|(x, y)| x - y));
+        let size = DVec3::from_array(terms.map(|(x, y)| x.abs() + y.abs()));
+        Self {
+            numerator: dot(n, p),
+            denominator: dot(n, d),
+            numerator_error: 10.0 * U * dot(size, p.abs()) + TINY,
+            denominator_error: 10.0 * U * dot(size, d.abs()) + TINY,
+        }
+    }
+}
+
 /// Written out, so that the same operations run in the same order on every target.
+#[inline(always)]
 fn dot(a: DVec3, b: DVec3) -> f64 {
     a.x * b.x + a.y * b.y + a.z * b.z
 }
