@@ -67,7 +67,7 @@ impl Enclosure {
 /// triangle that a ray has just left is met a few ulp before 0, which is too near for f32, and needs neither edges nor a
 /// division.
 ///
-/// With the notation and the errors of [`Enclosure::of_plane`], t* < t where n·p − t n·d and n·d have different signs; the
+/// With the notation and the errors of `Enclosure::of_plane`, t* < t where n·p − t n·d and n·d have different signs; the
 /// first is wrong by 8u S·|p| + 8u t S·|d| to first order, its own difference included, and so by less than 10u of both.
 /// Compiled in place, so that a kernel for wider registers has it in its own instructions.
 #[inline(always)]
