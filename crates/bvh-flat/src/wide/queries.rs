@@ -42,7 +42,7 @@ impl<'a, Y: Layout> Asked<'a, Y> {
     }
 
     /// Whether a triangle, though f32 leaves it open, lies before the interval for certain: most often it is the one that the
-    /// ray has just left.
+    /// ray has just left. (Compiled in place, it took a seventh of the speed of any-hit rays that never need it.)
     #[cold]
     #[inline(never)]
     fn is_before(&self, ray: &TraversalRay, leaf: Child, lane: usize) -> bool {
