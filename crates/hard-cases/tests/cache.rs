@@ -54,7 +54,12 @@ fn what_the_fuzzer_found_and_what_hostile_counts_allocate() {
         let before = peak();
         for file in &files {
             assert!(WideMesh::from_bytes(file, Arc::clone(&mesh), None).is_err(), "{name}");
-            assert!(FlatBvh::from_bytes(file, key, None).is_err(), "{name}");
+            // A binary tree may be over any number of boxes, most of which cannot be hit; it is then no tree over these.
+            let binary = FlatBvh::from_bytes(file, key, None);
+            assert!(
+                binary.is_err() || binary.is_ok_and(|tree| tree.primitive_count() as usize != mesh.len()),
+                "{name}"
+            );
         }
         if let (Some(before), Some(after)) = (before, peak()) {
             assert!(after <= before + seed.len() + (1 << 20), "{name}: {} bytes more", after - before);

@@ -137,6 +137,9 @@ impl FlatBvh {
         let primitives = primitives.map_err(|_| CacheError::Header("more primitives than a tree can have"))?;
         let repeats = u32::try_from(header.counts.repeats);
         let repeats = repeats.map_err(|_| CacheError::Header("more repeats than a tree can have"))?;
+        if repeats > 0 && count_repeats(&order) != repeats as usize {
+            return Err(CacheError::Header("the repeats are not those of the tree"));
+        }
         let tree = Self::from_split_parts(nodes, order, primitives, repeats)?;
         header.counts.expect(&tree.counts())?;
         if header.bounds != tree.bounds() || header.expected_steps != 0.0 {
@@ -144,4 +147,11 @@ impl FlatBvh {
         }
         Ok(tree)
     }
+}
+
+/// How many of the references are not the first to their primitive.
+fn count_repeats(order: &[u32]) -> usize {
+    let mut sorted = order.to_vec();
+    sorted.sort_unstable();
+    sorted.windows(2).filter(|pair| pair[0] == pair[1]).count()
 }
