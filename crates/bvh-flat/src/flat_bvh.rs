@@ -13,7 +13,8 @@ pub const MAX_DEPTH: usize = 96;
 /// Valid by construction (see [`from_parts`](Self::from_parts)), so traversal need not check. A tree without nodes is
 /// met by no ray.
 ///
-/// With the feature `serde` it can be kept in any codec; what comes out of one goes through [`from_parts`](Self::from_parts).
+/// With the feature `serde` it can be kept in any codec; what comes out of one goes through
+/// [`from_split_parts`](Self::from_split_parts).
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(try_from = "Parts"))]
 pub struct FlatBvh {
@@ -30,6 +31,7 @@ struct Parts {
     nodes: Vec<LinearBvhNode>,
     order: Vec<u32>,
     primitive_count: u32,
+    extra_references: u32,
 }
 
 #[cfg(feature = "serde")]
@@ -37,7 +39,7 @@ impl TryFrom<Parts> for FlatBvh {
     type Error = InvalidBvh;
 
     fn try_from(parts: Parts) -> Result<Self, InvalidBvh> {
-        Self::from_parts(parts.nodes, parts.order, parts.primitive_count)
+        Self::from_split_parts(parts.nodes, parts.order, parts.primitive_count, parts.extra_references)
     }
 }
 

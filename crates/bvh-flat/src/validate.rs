@@ -304,6 +304,9 @@ mod tests {
     #[cfg(feature = "serde")]
     fn a_codec_goes_through_the_validating_constructor() {
         let (nodes, order) = tree();
+        let split = FlatBvh::from_split_parts(nodes.clone(), vec![2, 0, 3, 2], 4, 1).expect("a tree");
+        let text = serde_json::to_string(&split).expect("numbers");
+        assert_eq!(serde_json::from_str::<FlatBvh>(&text).expect("a tree"), split);
         let bvh = FlatBvh::from_parts(nodes, order, 4).expect("a tree");
         let text = serde_json::to_string(&bvh).expect("numbers");
         assert_eq!(serde_json::from_str::<FlatBvh>(&text).expect("a tree"), bvh);

@@ -11,9 +11,6 @@ pub(crate) trait CheckedLayout: Layout<Node: CheckedNode> {
     /// How many words a leaf of `count` triangles has.
     fn word_count(count: usize) -> usize;
 
-    /// The first word that is the number of a triangle.
-    fn first_id(count: usize) -> usize;
-
     /// The numbers of a leaf as blocks have them, as far as they are known: those of a compact leaf only with its mesh.
     /// The numbers of the triangles must be in range.
     fn block<'a>(
@@ -29,7 +26,7 @@ pub(crate) trait CheckedLayout: Layout<Node: CheckedNode> {
     /// The number of triangle `i` of a leaf.
     #[inline(always)]
     fn id(stored: &[f32; LEAF_NUMBERS], count: usize, i: usize) -> u32 {
-        stored[(Self::first_id(count) + i) & 127].to_bits().wrapping_sub(BIAS)
+        stored[Self::place_of_id(count, i) & 127].to_bits().wrapping_sub(BIAS)
     }
 }
 
@@ -37,11 +34,6 @@ impl CheckedLayout for Blocks {
     #[inline(always)]
     fn word_count(count: usize) -> usize {
         1 + 10 * count
-    }
-
-    #[inline(always)]
-    fn first_id(count: usize) -> usize {
-        1 + 9 * count
     }
 
     #[inline(always)]
@@ -74,11 +66,6 @@ impl CheckedLayout for Compact {
     #[inline(always)]
     fn word_count(count: usize) -> usize {
         1 + count
-    }
-
-    #[inline(always)]
-    fn first_id(_: usize) -> usize {
-        1
     }
 
     #[inline(always)]
