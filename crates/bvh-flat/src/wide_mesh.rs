@@ -17,8 +17,8 @@ use geometry::clipped_triangle_bounds;
 use crate::simd::LANES;
 use crate::simd::SimdWidth;
 use crate::wide::{
-    All, Answered, AnyQuery, Blocks, ClosestQuery, Compact, LARGE, Layout, Many, One, TriangleWriter, Triangles,
-    collapse,
+    All, Answered, AnyQuery, Blocks, ClosestQuery, Compact, LARGE, Layout, TriangleWriter, Triangles, answer,
+    answer_many, collapse,
 };
 #[cfg(feature = "build")]
 use crate::wide::{FullNode, LEAF_COST, MAX_LINES, TRIANGLE_COST, WideNode};
@@ -168,8 +168,10 @@ impl WideMesh {
 
     /// The closest hit of each ray, as [`intersect`](Shape::intersect) finds it, bit for bit; as many as there are of both.
     ///
-    /// Faster than a call for each where the tree is larger than the caches and the rays go apart: several are then on
-    /// their way at once, and while one waits for the memory, others go on.
+    /// Several times as fast as a call for each where neighbours in the slice go the same way, as those of a tile of 8 × 8 or
+    /// 16 × 4 pixels do: they then go through the tree together. And faster where the tree is larger than the caches and
+    /// the rays go apart: several are then on their way at once, and while one waits for the memory, others go on. Which
+    /// way is taken depends on the rays and the tree, never on time.
     pub fn intersect_many(&self, rays: &[RaySegment], hits: &mut [Option<Hit>]) {
         match self.layout {
             WideLayout::Blocks => self.many::<ClosestQuery<Blocks>>(rays, hits),
@@ -200,13 +202,12 @@ impl WideMesh {
     }
 
     fn many<'a, Q: Answered<'a>>(&'a self, rays: &[RaySegment], answers: &mut [Q::Answer]) {
-        self.width.run(Many::<Q> { triangles: &self.triangles, rays, answers, large: LARGE, query: PhantomData });
+        answer_many::<Q>(&self.triangles, self.width, LARGE, rays, answers);
     }
 
     #[inline(always)]
-    fn one<'a, Q: Answered<'a>>(&'a self, ray: &'a TraversalRay, interval: Interval) -> Q::Answer {
-        let (t_min, t_max) = (interval.t_min(), interval.t_max());
-        self.width.run(One::<Q> { triangles: &self.triangles, ray, t_min, t_max, query: PhantomData })
+    fn one<'a, Q: Answered<'a>>(&'a self, ray: &TraversalRay, interval: Interval) -> Q::Answer {
+        answer::<Q>(&self.triangles, self.width, ray, interval)
     }
 }
 

@@ -6,7 +6,7 @@
 use std::arch::x86_64::*;
 use std::mem::MaybeUninit;
 
-use super::x86::{common_lanes, keys, lane_of_least, op};
+use super::x86::{common_lanes, halves, keys, lane_of_least, op};
 use super::{LANES, LEAF_NUMBERS, Lanes};
 
 #[derive(Clone, Copy)]
@@ -35,6 +35,15 @@ fn to_front(mask: u32) -> __m256i {
     op!(_mm256_cvtepu8_epi32(_mm_cvtsi64_si128(TO_FRONT[mask as usize & 0xff] as i64)))
 }
 
+/// All bits in the lanes of a mask.
+#[inline(always)]
+fn lanes_of(mask: u32) -> __m256i {
+    op!({
+        let bits = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
+        _mm256_cmpeq_epi32(_mm256_and_si256(_mm256_set1_epi32(mask as i32), bits), bits)
+    })
+}
+
 impl Lanes for Avx2 {
     common_lanes!();
 
@@ -57,11 +66,13 @@ impl Lanes for Avx2 {
     fn least_met(a: __m256, met: u32) -> usize {
         op!({
             let key = keys(a);
-            let bits = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
-            let is_met = _mm256_cmpeq_epi32(_mm256_and_si256(_mm256_set1_epi32(met as i32), bits), bits);
-            let key = _mm256_blendv_epi8(_mm256_set1_epi32(-1), key, is_met);
+            let key = _mm256_blendv_epi8(_mm256_set1_epi32(-1), key, lanes_of(met));
             lane_of_least(key)
         })
+    }
+    #[inline(always)]
+    fn select(mask: u32, a: __m256, b: __m256) -> __m256 {
+        op!(_mm256_blendv_ps(b, a, _mm256_castsi256_ps(lanes_of(mask))))
     }
     #[inline(always)]
     fn eq_u32(a: __m256i, b: __m256i) -> u32 {

@@ -6,7 +6,7 @@
 use std::arch::x86_64::*;
 use std::mem::MaybeUninit;
 
-use super::x86::{common_lanes, keys, lane_of_least, op};
+use super::x86::{common_lanes, halves, keys, lane_of_least, op};
 use super::{LANES, LEAF_NUMBERS, Lanes};
 
 #[derive(Clone, Copy)]
@@ -34,6 +34,10 @@ impl Lanes for Avx512 {
             let key = _mm256_mask_mov_epi32(_mm256_set1_epi32(-1), met as u8, key);
             lane_of_least(key)
         })
+    }
+    #[inline(always)]
+    fn select(mask: u32, a: __m256, b: __m256) -> __m256 {
+        op!(_mm256_mask_blend_ps(mask as u8, b, a))
     }
     #[inline(always)]
     fn eq_u32(a: __m256i, b: __m256i) -> u32 {

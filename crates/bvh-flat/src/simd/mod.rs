@@ -50,6 +50,8 @@ pub(crate) trait Lanes: Copy {
     /// Of `count` triangles, as a leaf of a wide tree has them, one coordinate of the first, second and third vertices: the
     /// numbers from 1 + (3 vertex + axis) count on. `count` is taken modulo 16 and `axis` modulo 4.
     fn load_vertices(leaf: &[f32; LEAF_NUMBERS], count: usize, axis: usize) -> [Self::F32; 3];
+    /// The eight columns of eight rows.
+    fn load_columns(rows: [&[f32; LANES]; LANES]) -> [Self::F32; LANES];
     fn load_u32(x: &[u32; LANES]) -> Self::U32;
     fn to_array(x: Self::F32) -> [f32; LANES];
 
@@ -84,6 +86,9 @@ pub(crate) trait Lanes: Copy {
     /// Of the lanes of the mask the one with the least number, none being negative, up to its three lowest bits; any lane
     /// where there is none.
     fn least_met(a: Self::F32, met: u32) -> usize;
+
+    /// In the lanes of the mask a, in the others b: their bits, whatever these mean.
+    fn select(mask: u32, a: Self::F32, b: Self::F32) -> Self::F32;
 
     fn splat_u32(x: u32) -> Self::U32;
     fn eq_u32(a: Self::U32, b: Self::U32) -> u32;

@@ -59,6 +59,10 @@ impl Lanes for Portable {
         })
     }
     #[inline(always)]
+    fn load_columns(rows: [&F; LANES]) -> [F; LANES] {
+        std::array::from_fn(|column| std::array::from_fn(|row| rows[row][column]))
+    }
+    #[inline(always)]
     fn load_u32(x: &[u32; LANES]) -> U {
         *x
     }
@@ -135,6 +139,10 @@ impl Lanes for Portable {
             }
         }
         least.1
+    }
+    #[inline(always)]
+    fn select(mask: u32, a: F, b: F) -> F {
+        std::array::from_fn(|i| if mask >> i & 1 == 1 { a[i] } else { b[i] })
     }
     #[inline(always)]
     fn splat_u32(x: u32) -> U {

@@ -2,13 +2,15 @@
 
 use std::arch::x86_64::*;
 
+use super::LANES;
+
 /// An expression of intrinsics.
 macro_rules! op {
     ($e:expr) => {
         // SAFETY: the processor has the instructions, as the modules that use this say. Those that access memory need no
-        // alignment, and do so through references to eight numbers, to 64 in `load_row` and 48 in `load_bytes` from one
-        // of the places 0, 8 … 56 (40) on, or to 144 in `load_vertices`, of which the last read is
-        // 1 + (3 · 2 + 3) · 15 + 7 = 143 at most.
+        // alignment, and do so through references to eight numbers, of which `halves` reads four from place 0 or 4 on; to
+        // 64 in `load_row` and 48 in `load_bytes`, from one of the places 0, 8 … 56 (40) on; or to 144 in `load_vertices`,
+        // of which the last read is 1 + (3 · 2 + 3) · 15 + 7 = 143 at most.
         unsafe { $e }
     };
 }
@@ -47,6 +49,27 @@ macro_rules! common_lanes {
             op!({
                 let from = leaf.as_ptr().add(at);
                 [_mm256_loadu_ps(from), _mm256_loadu_ps(from.add(3 * count)), _mm256_loadu_ps(from.add(6 * count))]
+            })
+        }
+        #[inline(always)]
+        fn load_columns(rows: [&[f32; LANES]; LANES]) -> [__m256; LANES] {
+            // Rows i and i + 4 side by side, half a row of each; then 4 × 4 transposed in both halves.
+            op!({
+                let [a, b, c, d, e, f, g, h] = rows;
+                let mut to = [_mm256_setzero_ps(); LANES];
+                let mut first = 0;
+                while first < LANES {
+                    let (p, q, r, s) =
+                        (halves(a, e, first), halves(b, f, first), halves(c, g, first), halves(d, h, first));
+                    let (pq, rs) = (_mm256_unpacklo_ps(p, q), _mm256_unpacklo_ps(r, s));
+                    let (qp, sr) = (_mm256_unpackhi_ps(p, q), _mm256_unpackhi_ps(r, s));
+                    to[first] = _mm256_shuffle_ps::<0b01_00_01_00>(pq, rs);
+                    to[first + 1] = _mm256_shuffle_ps::<0b11_10_11_10>(pq, rs);
+                    to[first + 2] = _mm256_shuffle_ps::<0b01_00_01_00>(qp, sr);
+                    to[first + 3] = _mm256_shuffle_ps::<0b11_10_11_10>(qp, sr);
+                    first += 4;
+                }
+                to
             })
         }
         #[inline(always)]
@@ -124,6 +147,15 @@ macro_rules! common_lanes {
     };
 }
 pub(super) use common_lanes;
+
+/// Four numbers of each of two rows, from number 0 or 4 on.
+#[inline(always)]
+pub(super) fn halves(low: &[f32; LANES], high: &[f32; LANES], at: usize) -> __m256 {
+    op!({
+        let (low, high) = (low.as_ptr().add(at & 4), high.as_ptr().add(at & 4));
+        _mm256_insertf128_ps::<1>(_mm256_castps128_ps256(_mm_loadu_ps(low)), _mm_loadu_ps(high))
+    })
+}
 
 /// The bits of numbers that are not negative, with the lane in place of the three lowest.
 #[inline(always)]

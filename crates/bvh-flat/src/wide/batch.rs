@@ -1,4 +1,4 @@
-//! Many rays in one call: one after the other, or several on their way at once.
+//! Many rays in one call: in packets, several on their way at once, or one after the other.
 
 use std::marker::PhantomData;
 
@@ -8,17 +8,15 @@ use geometry::{Interval, Ray, TraversalRay};
 use super::arena::Child;
 use super::box_ray::is_regular;
 use super::collapse::WideTree;
+use super::packet::{Together, WORTHWHILE};
 use super::queries::{Answered, Asked, answer};
 use super::traverse::{Next, Way, WayStack};
 use super::triangles::{Layout, Triangles};
 use crate::RaySegment;
-use crate::simd::{Kernel, Lanes};
+use crate::simd::{Kernel, Lanes, SimdWidth};
 
 /// How many rays are on their way at once. On a tree of 149 MB, 6 gave 0.93 and 16 gave 0.91 of the speed of 10.
 const FLIGHTS: usize = 10;
-
-/// How many rays are looked at to choose how they are traced.
-const CHUNK: usize = 4096;
 
 /// The least tree, in bytes, for which rays may be interleaved: what the caches do not hold. Of a tree of 9 MB interleaving
 /// takes 5 % of the speed, whatever the rays.
@@ -39,33 +37,63 @@ const SAME_WAY: f32 = 0.9;
 
 /// The mean distance between the origins of neighbouring rays, as a part of the tree's diagonal, below which they begin
 /// together.
-const TOGETHER: f32 = 0.1;
+const BEGIN_TOGETHER: f32 = 0.1;
 
-/// A query `Q` of many rays.
-pub(crate) struct Many<'a, 'r, Q: Answered<'a>> {
-    pub(crate) triangles: &'a Triangles,
-    pub(crate) rays: &'r [RaySegment],
-    pub(crate) answers: &'r mut [Q::Answer],
-    /// The least tree for which rays may be interleaved: [`LARGE`], but for tests.
-    pub(crate) large: usize,
-    pub(crate) query: PhantomData<Q>,
-}
+/// How many rays go alone before packets are tried again: at first, and when packets did not pay time after time.
+const ALONE: [usize; 2] = [512, 16384];
 
-impl<'a, Q: Answered<'a>> Kernel for Many<'a, '_, Q> {
-    type Output = ();
+/// So many rays in packets that paid are a reason to try again soon.
+const PAID: usize = 512;
 
-    #[inline(always)]
-    fn run<L: Lanes>(self) {
-        let Self { triangles, rays, answers, large, .. } = self;
-        let tree = &triangles.tree;
-        for (rays, answers) in rays.chunks(CHUNK).zip(answers.chunks_mut(CHUNK)) {
-            match tree.root {
-                Some(root) if tree.arena.memory() >= large && gains(tree, rays, Q::ORDERED) => {
-                    interleaved::<L, Q>(triangles, root, rays, answers);
+/// The answers of a query `Q` to many rays, as many as there are of both. Rays may be interleaved in trees from `large`
+/// bytes on: [`LARGE`], but for tests.
+///
+/// Each way is a kernel of its own. (With all in one, closures and calls were no longer compiled in place, which took half
+/// of the speed of all ways, and to compile the crate took three times as long.)
+pub(crate) fn answer_many<'a, Q: Answered<'a>>(
+    triangles: &'a Triangles,
+    width: SimdWidth,
+    large: usize,
+    rays: &[RaySegment],
+    answers: &mut [Q::Answer],
+) {
+    let query = PhantomData::<Q>;
+    let count = rays.len().min(answers.len());
+    let (mut rays, mut answers) = (&rays[..count], &mut answers[..count]);
+    let mut alone = ALONE[0];
+    while !rays.is_empty() {
+        let together = width.run(Together { triangles, width, rays, answers, worthwhile: WORTHWHILE, query });
+        if together >= PAID {
+            alone = ALONE[0];
+        }
+        (rays, answers) = (&rays[together..], &mut answers[together..]);
+        let (first, rest) = rays.split_at(alone.min(rays.len()));
+        let (first_answers, rest_answers) = answers.split_at_mut(first.len());
+        match triangles.tree.root {
+            Some(root) if triangles.tree.arena.memory() >= large && gains(&triangles.tree, first, Q::ORDERED) => {
+                width.run(Interleaved { triangles, width, root, rays: first, answers: first_answers, query });
+            }
+            _ => {
+                for (ray, to) in first.iter().zip(first_answers) {
+                    *to = answer_alone::<Q>(triangles, width, ray);
                 }
-                _ => one_by_one::<L, Q>(triangles, rays, answers),
             }
         }
+        (rays, answers) = (rest, rest_answers);
+        alone = (2 * alone).min(ALONE[1]);
+    }
+}
+
+/// The answer to a ray by itself.
+#[inline]
+pub(super) fn answer_alone<'a, Q: Answered<'a>>(
+    triangles: &'a Triangles,
+    width: SimdWidth,
+    ray: &RaySegment,
+) -> Q::Answer {
+    match prepared(ray) {
+        Some((ray, interval)) => answer::<Q>(triangles, width, &ray, interval),
+        None => Q::Answer::default(),
     }
 }
 
@@ -79,14 +107,14 @@ fn gains(tree: &WideTree, rays: &[RaySegment], is_closest: bool) -> bool {
         count += 1.0;
     }
     let go_the_same_way = cosines >= SAME_WAY * count;
-    let begin_together = distances <= TOGETHER * count * tree.bounds.diagonal().length();
+    let begin_together = distances <= BEGIN_TOGETHER * count * tree.bounds.diagonal().length();
     let many = MANY_STEPS[usize::from(!is_closest)];
     !go_the_same_way && (!begin_together || tree.expected_steps >= many)
 }
 
 /// A ray that can be traced, and where.
 #[inline(always)]
-fn prepared(ray: &RaySegment) -> Option<(TraversalRay, Interval)> {
+pub(super) fn prepared(ray: &RaySegment) -> Option<(TraversalRay, Interval)> {
     let interval = Interval::new(ray.t_min, ray.t_max);
     let ray = TraversalRay::new(&Ray { origin: ray.origin.into(), direction: ray.direction.into(), time: 0.0 })?;
     (!interval.is_empty()).then_some((ray, interval))
@@ -103,77 +131,77 @@ struct Flight<L: Lanes, Q> {
     stack: WayStack,
 }
 
-#[inline(always)]
-fn one_by_one<'a, L: Lanes, Q: Answered<'a>>(triangles: &'a Triangles, rays: &[RaySegment], answers: &mut [Q::Answer]) {
-    for (ray, to) in rays.iter().zip(answers) {
-        *to = Q::Answer::default();
-        if let Some((ray, interval)) = prepared(ray) {
-            *to = answer::<L, Q>(triangles, &ray, interval);
-        }
-    }
-}
-
 /// Each ray in turn goes down a step, to a node or a leaf that was asked for when it was last its turn: while one waits for
 /// the memory, others go on. A step back leads to what was asked for before, and needs no turn: waiting for those too took
 /// 7 % of the speed on 149 MB, and 9 % on 4 MB.
-#[inline(always)]
-fn interleaved<'a, L: Lanes, Q: Answered<'a>>(
+pub(crate) struct Interleaved<'a, 'r, Q: Answered<'a>> {
     triangles: &'a Triangles,
+    width: SimdWidth,
     root: Child,
-    rays: &[RaySegment],
-    answers: &mut [Q::Answer],
-) {
-    let mut next_ray = 0;
-    let mut flights: Vec<Flight<L, Q>> = Vec::with_capacity(FLIGHTS);
-    while flights.len() < FLIGHTS
-        && let Some((index, ray, interval)) = next_regular::<L, Q>(triangles, rays, answers, &mut next_ray)
-    {
-        let (query, way) = (Q::new(Asked::new(triangles, &ray, interval)), Way::new::<true>(&ray, interval));
-        flights.push(Flight { ray, query, index, at: root, way, stack: WayStack::new() });
-    }
-    let mut turn = 0;
-    while let Some(flight) = flights.get_mut(turn) {
-        match flight.way.step::<true, <Q::Layout as Layout>::Node, _>(
-            &triangles.tree.arena,
-            &flight.ray,
-            flight.at,
-            &mut flight.query,
-            &mut flight.stack,
-        ) {
-            Some(Next::Back(child)) => {
-                flight.at = child;
-                continue;
-            }
-            Some(Next::Down(child)) => {
-                triangles.tree.arena.prefetch(child.place());
-                flight.at = child;
-            }
-            None => {
-                if let Some(answer) = answers.get_mut(flight.index) {
-                    *answer = flight.query.answer(&flight.ray);
-                }
-                // The next ray takes its place, and its memory.
-                match next_regular::<L, Q>(triangles, rays, answers, &mut next_ray) {
-                    Some((index, ray, interval)) => {
-                        flight.query = Q::new(Asked::new(triangles, &ray, interval));
-                        flight.way = Way::new::<true>(&ray, interval);
-                        flight.stack.clear();
-                        (flight.ray, flight.index, flight.at) = (ray, index, root);
-                    }
-                    None => {
-                        flights.swap_remove(turn);
-                    }
-                }
-            }
+    rays: &'r [RaySegment],
+    answers: &'r mut [Q::Answer],
+    query: PhantomData<Q>,
+}
+
+impl<'a, Q: Answered<'a>> Kernel for Interleaved<'a, '_, Q> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) {
+        let Self { triangles, width, root, rays, answers, .. } = self;
+        let mut next_ray = 0;
+        let mut flights: Vec<Flight<L, Q>> = Vec::with_capacity(FLIGHTS);
+        while flights.len() < FLIGHTS
+            && let Some((index, ray, interval)) = next_regular::<Q>(triangles, width, rays, answers, &mut next_ray)
+        {
+            let (query, way) = (Q::new(Asked::new(triangles, &ray, interval)), Way::new::<true>(&ray, interval));
+            flights.push(Flight { ray, query, index, at: root, way, stack: WayStack::new() });
         }
-        turn = if turn + 1 < flights.len() { turn + 1 } else { 0 };
+        let mut turn = 0;
+        while let Some(flight) = flights.get_mut(turn) {
+            match flight.way.step::<true, <Q::Layout as Layout>::Node, _>(
+                &triangles.tree.arena,
+                &flight.ray,
+                flight.at,
+                &mut flight.query,
+                &mut flight.stack,
+            ) {
+                Some(Next::Back(child)) => {
+                    flight.at = child;
+                    continue;
+                }
+                Some(Next::Down(child)) => {
+                    triangles.tree.arena.prefetch(child.place());
+                    flight.at = child;
+                }
+                None => {
+                    if let Some(answer) = answers.get_mut(flight.index) {
+                        *answer = flight.query.answer(&flight.ray);
+                    }
+                    // The next ray takes its place, and its memory.
+                    match next_regular::<Q>(triangles, width, rays, answers, &mut next_ray) {
+                        Some((index, ray, interval)) => {
+                            flight.query = Q::new(Asked::new(triangles, &ray, interval));
+                            flight.way = Way::new::<true>(&ray, interval);
+                            flight.stack.clear();
+                            (flight.ray, flight.index, flight.at) = (ray, index, root);
+                        }
+                        None => {
+                            flights.swap_remove(turn);
+                        }
+                    }
+                }
+            }
+            turn = if turn + 1 < flights.len() { turn + 1 } else { 0 };
+        }
     }
 }
 
 /// The next ray that may be on its way with others; those before it that may not are answered.
 #[inline(always)]
-fn next_regular<'a, L: Lanes, Q: Answered<'a>>(
+fn next_regular<'a, Q: Answered<'a>>(
     triangles: &'a Triangles,
+    width: SimdWidth,
     rays: &[RaySegment],
     answers: &mut [Q::Answer],
     next: &mut usize,
@@ -182,89 +210,13 @@ fn next_regular<'a, L: Lanes, Q: Answered<'a>>(
         let index = *next;
         let (ray, to) = (rays.get(index)?, answers.get_mut(index)?);
         *next += 1;
-        *to = Q::Answer::default();
-        let Some((ray, interval)) = prepared(ray) else { continue };
-        if is_regular(&ray) {
-            return Some((index, ray, interval));
+        match prepared(ray) {
+            Some((ray, interval)) if is_regular(&ray) => return Some((index, ray, interval)),
+            Some((ray, interval)) => *to = answer::<Q>(triangles, width, &ray, interval),
+            None => *to = Q::Answer::default(),
         }
-        *to = answer::<L, Q>(triangles, &ray, interval);
     }
 }
 
 #[cfg(all(test, feature = "build"))]
-mod tests {
-    use std::sync::Arc;
-
-    use geometry::{Hit, Shape, TriangleMesh};
-
-    use super::*;
-    use crate::wide::{AnyQuery, Blocks, ClosestQuery, Compact, TriangleWriter, collapse};
-    use crate::{BuildConfig, FlatBvh, SimdWidth, WideMesh};
-
-    /// Numbers in [−1, 1): the crate has no random numbers.
-    struct Random(u64);
-
-    impl Random {
-        fn vector(&mut self) -> Vec3 {
-            Vec3::from_array([0; 3].map(|_| {
-                self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-                (self.0 >> 40) as f32 / 8_388_608.0 - 1.0
-            }))
-        }
-    }
-
-    #[test]
-    fn interleaved_rays_have_the_answers_of_single_ones() {
-        let mut random = Random(5);
-        let positions: Vec<Vec3> = (0..400)
-            .flat_map(|_| {
-                let p = random.vector();
-                [p, p + 0.5 * random.vector(), p + 0.5 * random.vector()]
-            })
-            .collect();
-        let mesh = TriangleMesh::new(positions, (0..400).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect());
-        let mesh = Arc::new(mesh.expect("in range"));
-        let bounds: Vec<_> = (0..mesh.len()).map(|i| mesh.triangle_bounds(i)).collect();
-        let bvh = FlatBvh::build(&bounds, &BuildConfig::default(), &()).expect("the default is valid");
-        let order = bvh.order();
-        let blocks = collapse::<<Blocks as Layout>::Node>(&bvh, &TriangleWriter { mesh: &mesh, order, layout: Blocks });
-        let compact =
-            collapse::<<Compact as Layout>::Node>(&bvh, &TriangleWriter { mesh: &mesh, order, layout: Compact });
-        let triangles = |tree: Option<_>| Triangles { mesh: Arc::clone(&mesh), tree: tree.expect("small") };
-        let (blocks, compact) = (triangles(blocks), triangles(compact));
-        let wide = WideMesh::build(Arc::clone(&mesh), &BuildConfig::default()).expect("the default is valid");
-        // Some of one axis only, which are irregular, some invalid, and some along the same way.
-        let rays: Vec<RaySegment> = (0..5000)
-            .map(|i| {
-                let mut direction = random.vector();
-                match i % 10 {
-                    0 => direction = Vec3::ZERO.with_x(direction.x),
-                    1 => direction.y = [f32::NAN, f32::INFINITY, 0.0][i / 10 % 3],
-                    2 => direction = Vec3::ZERO,
-                    _ => {}
-                }
-                let t_max = if i % 3 == 0 { 0.7 } else { f32::INFINITY };
-                RaySegment { origin: (1.5 * random.vector()).into(), t_min: 0.0, direction: direction.into(), t_max }
-            })
-            .collect();
-        assert!(gains(&blocks.tree, &rays, true) && !gains(&blocks.tree, &rays[..1], true));
-        let alone = rays.iter().map(|ray| prepared(ray).and_then(|(ray, interval)| wide.intersect(&ray, interval)));
-        let alone: Vec<_> = alone.collect();
-        assert!(alone.iter().flatten().count() > 1000 && alone.contains(&None));
-        for width in SimdWidth::available() {
-            check::<Blocks>(&blocks, &rays, &alone, width);
-            check::<Compact>(&compact, &rays, &alone, width);
-        }
-    }
-
-    fn check<Y: Layout>(triangles: &Triangles, rays: &[RaySegment], alone: &[Option<Hit>], width: SimdWidth) {
-        let mut hits = vec![None; rays.len()];
-        let mut occluded = vec![true; rays.len()];
-        let (answers, query) = (&mut hits, PhantomData::<ClosestQuery<Y>>);
-        width.run(Many { triangles, rays, answers, large: 0, query });
-        let (answers, query) = (&mut occluded, PhantomData::<AnyQuery<Y>>);
-        width.run(Many { triangles, rays, answers, large: 0, query });
-        assert_eq!(hits, alone, "{}", width.name());
-        assert_eq!(occluded, alone.iter().map(Option::is_some).collect::<Vec<_>>(), "{}", width.name());
-    }
-}
+mod tests;

@@ -5,6 +5,7 @@ mod batch;
 mod box_ray;
 mod collapse;
 mod node;
+mod packet;
 mod queries;
 mod traverse;
 mod triangle_ray;
@@ -17,12 +18,12 @@ pub(crate) use arena::Arena;
 #[cfg(feature = "build")]
 pub(crate) use arena::MAX_LINES;
 pub(crate) use arena::{Child, Line};
-pub(crate) use batch::{LARGE, Many};
+pub(crate) use batch::{LARGE, answer_many};
 pub(crate) use collapse::{LeafWriter, WideTree, collapse};
 pub(crate) use node::FullNode;
 #[cfg(feature = "build")]
 pub(crate) use node::WideNode;
-pub(crate) use queries::{All, Answered, AnyQuery, ClosestQuery, One};
+pub(crate) use queries::{All, Answered, AnyQuery, ClosestQuery, answer};
 pub(crate) use traverse::{Query, traverse};
 pub(crate) use triangles::{Blocks, Compact, Layout, TriangleWriter, Triangles};
 #[cfg(feature = "build")]

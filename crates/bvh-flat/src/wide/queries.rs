@@ -5,14 +5,18 @@ use std::collections::BTreeSet;
 use std::marker::PhantomData;
 use std::ops::ControlFlow;
 
-use geometry::exact::{Enclosure, ExactRay, meets_plane_before, values_of_hit};
+use geometry::exact::{Enclosure, ExactRay, HitLanes, meets_plane_before, values_of_hit};
 use geometry::{Hit, HitVisitor, Interval, TraversalRay, TriangleHit, Visit, Work, round_down, round_up};
 
 use super::arena::Child;
+use super::batch::prepared;
+use super::collapse::WideTree;
+use super::packet::Group;
 use super::traverse::{Query, traverse};
 use super::triangle_ray::{Candidates, TriangleRay};
 use super::triangles::{Layout, Scratch, TriangleLeaf, Triangles};
-use crate::simd::{Kernel, Lanes, LanesOf};
+use crate::RaySegment;
+use crate::simd::{Kernel, LANES, Lanes, LanesOf, SimdWidth};
 
 /// What all queries begin with.
 #[derive(Clone, Copy)]
@@ -69,48 +73,72 @@ pub(crate) trait Answered<'a>: Query {
     /// The query of a ray.
     fn new(asked: Asked<'a, Self::Layout>) -> Self;
 
+    /// The query of a ray that has come so far.
+    fn resumed(asked: Asked<'a, Self::Layout>, progress: Progress) -> Self;
+
+    /// Takes a triangle that may be hit, of which f32 says too little.
+    fn undecided(&mut self, ray: &TraversalRay, leaf: Child, lane: usize);
+
+    /// How far it has come.
+    fn progress(&self) -> Progress;
+
     /// The answer, when the ray's way is at its end.
     fn answer(&self, ray: &TraversalRay) -> Self::Answer;
-}
 
-/// A query `Q` of one ray.
-pub(crate) struct One<'a, Q> {
-    pub(crate) triangles: &'a Triangles,
-    pub(crate) ray: &'a TraversalRay,
-    /// The ends of its interval, one by one: see [`TriangleRay::new`].
-    pub(crate) t_min: f32,
-    pub(crate) t_max: f32,
-    pub(crate) query: PhantomData<Q>,
-}
-
-impl<'a, Q: Answered<'a>> Kernel for One<'a, Q> {
-    type Output = Q::Answer;
-
-    #[inline(always)]
-    fn run<L: Lanes>(self) -> Q::Answer {
-        answer::<L, Q>(self.triangles, self.ray, Interval::new(self.t_min, self.t_max))
-    }
+    /// The answers of eight rays of a packet of `rays`, into their places.
+    fn answers_of<L: Lanes>(group: &Group<L>, rays: &[RaySegment], answers: &mut [Self::Answer]);
 }
 
 /// The answer of a query `Q` of one ray.
 #[inline(always)]
-pub(crate) fn answer<'a, L: Lanes, Q: Answered<'a>>(
+pub(crate) fn answer<'a, Q: Answered<'a>>(
     triangles: &'a Triangles,
+    width: SimdWidth,
     ray: &TraversalRay,
     interval: Interval,
 ) -> Q::Answer {
-    let mut query = Q::new(Asked::new(triangles, ray, interval));
-    traverse::<L, <Q::Layout as Layout>::Node>(&triangles.tree.arena, triangles.tree.root, ray, interval, &mut query);
-    query.answer(ray)
+    let (t_min, t_max) = (interval.t_min(), interval.t_max());
+    width.run(One { triangles, ray, t_min, t_max, query: PhantomData::<Q> })
+}
+
+struct One<'a, 'r, Q> {
+    triangles: &'a Triangles,
+    ray: &'r TraversalRay,
+    /// The ends of its interval, one by one: see [`TriangleRay::new`].
+    t_min: f32,
+    t_max: f32,
+    query: PhantomData<Q>,
+}
+
+impl<'a, Q: Answered<'a>> Kernel for One<'a, '_, Q> {
+    type Output = Q::Answer;
+
+    #[inline(always)]
+    fn run<L: Lanes>(self) -> Q::Answer {
+        let Self { triangles, ray, t_min, t_max, .. } = self;
+        let interval = Interval::new(t_min, t_max);
+        let mut query = Q::new(Asked::new(triangles, ray, interval));
+        let WideTree { arena, root, .. } = &triangles.tree;
+        traverse::<L, <Q::Layout as Layout>::Node>(arena, *root, ray, interval, &mut query);
+        query.answer(ray)
+    }
 }
 
 /// A triangle that is hit.
 #[derive(Clone, Copy)]
-struct Found {
-    leaf: Child,
-    lane: usize,
+pub(crate) struct Found {
+    pub(crate) leaf: Child,
+    pub(crate) lane: usize,
     /// Not above t*.
-    low: f32,
+    pub(crate) low: f32,
+}
+
+/// How far a query has come.
+#[derive(Clone, Copy)]
+pub(crate) struct Progress {
+    pub(crate) found: Option<Found>,
+    /// Up to where more is looked for.
+    pub(crate) t_max: f32,
 }
 
 /// The closest hit.
@@ -129,7 +157,25 @@ impl<'a, Y: Layout> Answered<'a> for ClosestQuery<'a, Y> {
 
     #[inline(always)]
     fn new(asked: Asked<'a, Y>) -> Self {
-        Self { asked, t_max: asked.interval.t_max(), found: None, enclosure: None }
+        let t_max = asked.interval.t_max();
+        Self::resumed(asked, Progress { found: None, t_max })
+    }
+
+    #[inline(always)]
+    fn resumed(asked: Asked<'a, Y>, Progress { found, t_max }: Progress) -> Self {
+        Self { asked, t_max, found, enclosure: None }
+    }
+
+    #[inline(always)]
+    fn undecided(&mut self, ray: &TraversalRay, leaf: Child, lane: usize) {
+        if !self.is_found_again(leaf, lane) && !self.asked.is_before(ray, leaf, lane) {
+            self.decide(ray, leaf, lane);
+        }
+    }
+
+    #[inline(always)]
+    fn progress(&self) -> Progress {
+        Progress { found: self.found, t_max: self.t_max }
     }
 
     #[inline(always)]
@@ -141,6 +187,33 @@ impl<'a, Y: Layout> Answered<'a> for ClosestQuery<'a, Y> {
         let TriangleHit { t, u, v } = values_of_hit(ray, &vertices);
         Some(Hit { t, u, v, primitive: u64::from(leaf.primitive(lane)) })
     }
+
+    #[inline(always)]
+    fn answers_of<L: Lanes>(group: &Group<L>, rays: &[RaySegment], answers: &mut [Option<Hit>]) {
+        let (values, primitives, hits) = (group.values(), group.primitives(), group.hits());
+        for lane in LanesOf(group.lanes) {
+            let place = usize::from(group.index[lane]);
+            let (Some(ray), Some(to)) = (rays.get(place), answers.get_mut(place)) else { return };
+            *to = None;
+            if hits >> lane & 1 == 1 {
+                let (t, u, v) = (values.t[lane], values.u[lane], values.v[lane]);
+                *to = Some(Hit { t, u, v, primitive: primitives[lane].into() });
+                if values.is_certain[lane] == 0 {
+                    *to = difficult_hit(ray, &group.hit_lanes(), lane, primitives[lane]);
+                }
+            }
+        }
+    }
+}
+
+/// A hit whose values take more than f64.
+#[cold]
+#[inline(never)]
+fn difficult_hit(ray: &RaySegment, hits: &HitLanes<LANES>, lane: usize, primitive: u32) -> Option<Hit> {
+    let (ray, _) = prepared(ray)?;
+    let vertex = |i: usize| [0, 1, 2].map(|axis: usize| hits.vertices[axis][i][lane]);
+    let TriangleHit { t, u, v } = values_of_hit(&ray, &[vertex(0), vertex(1), vertex(2)]);
+    Some(Hit { t, u, v, primitive: primitive.into() })
 }
 
 impl<Y: Layout> Query for ClosestQuery<'_, Y> {
@@ -159,8 +232,8 @@ impl<Y: Layout> Query for ClosestQuery<'_, Y> {
                 if is_sure && is_first && self.asked.is_inside(low, high) {
                     (self.found, self.enclosure) = (Some(Found { leaf, lane, low }), None);
                     self.t_max = high;
-                } else if !self.is_found_again(leaf, lane) && !self.asked.is_before(ray, leaf, lane) {
-                    self.decide(ray, leaf, lane);
+                } else {
+                    self.undecided(ray, leaf, lane);
                 }
             }
         }
@@ -205,7 +278,8 @@ impl<Y: Layout> ClosestQuery<'_, Y> {
 /// Whether there is any hit.
 pub(crate) struct AnyQuery<'a, Y> {
     asked: Asked<'a, Y>,
-    is_hit: bool,
+    /// Some hit.
+    found: Option<Found>,
 }
 
 impl<'a, Y: Layout> Answered<'a> for AnyQuery<'a, Y> {
@@ -214,12 +288,38 @@ impl<'a, Y: Layout> Answered<'a> for AnyQuery<'a, Y> {
 
     #[inline(always)]
     fn new(asked: Asked<'a, Y>) -> Self {
-        Self { asked, is_hit: false }
+        Self { asked, found: None }
+    }
+
+    #[inline(always)]
+    fn resumed(asked: Asked<'a, Y>, Progress { found, .. }: Progress) -> Self {
+        Self { asked, found }
+    }
+
+    #[inline(always)]
+    fn undecided(&mut self, ray: &TraversalRay, leaf: Child, lane: usize) {
+        if !self.asked.is_before(ray, leaf, lane) && self.decide(ray, leaf, lane) {
+            self.found = Some(Found { leaf, lane, low: 0.0 });
+        }
+    }
+
+    #[inline(always)]
+    fn progress(&self) -> Progress {
+        Progress { found: self.found, t_max: self.asked.interval.t_max() }
+    }
+
+    #[inline(always)]
+    fn answers_of<L: Lanes>(group: &Group<L>, _: &[RaySegment], answers: &mut [bool]) {
+        for lane in LanesOf(group.lanes) {
+            if let Some(to) = answers.get_mut(usize::from(group.index[lane])) {
+                *to = group.hits() >> lane & 1 == 1;
+            }
+        }
     }
 
     #[inline(always)]
     fn answer(&self, _: &TraversalRay) -> bool {
-        self.is_hit
+        self.found.is_some()
     }
 }
 
@@ -231,9 +331,12 @@ impl<Y: Layout> Query for AnyQuery<'_, Y> {
         let t_max = self.asked.interval.t_max();
         if let Some(Candidates { maybe, sure, low, high }) = self.asked.candidates::<L>(leaf, t_max) {
             for lane in LanesOf(maybe) {
-                let is_sure = sure >> lane & 1 == 1 && self.asked.is_inside(low[lane], high[lane]);
-                if is_sure || !self.asked.is_before(ray, leaf, lane) && self.decide(ray, leaf, lane) {
-                    self.is_hit = true;
+                if sure >> lane & 1 == 1 && self.asked.is_inside(low[lane], high[lane]) {
+                    self.found = Some(Found { leaf, lane, low: low[lane] });
+                } else {
+                    self.undecided(ray, leaf, lane);
+                }
+                if self.found.is_some() {
                     return ControlFlow::Break(());
                 }
             }

@@ -126,7 +126,7 @@ impl<L: Lanes> Way<L> {
 
 /// The lanes with a child whose box is met.
 #[inline(always)]
-fn boxes_met<L: Lanes, const REGULAR: bool, N: WideNode>(slabs: &Slabs<L>, children: L::U32) -> u32 {
+pub(super) fn boxes_met<L: Lanes, const REGULAR: bool, N: WideNode>(slabs: &Slabs<L>, children: L::U32) -> u32 {
     let met = slabs.met::<REGULAR>();
     if N::HAS_EMPTY_BOXES { met } else { met & !L::eq_u32(children, L::splat_u32(0)) }
 }

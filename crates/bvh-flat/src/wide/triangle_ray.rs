@@ -30,6 +30,27 @@ pub(crate) struct TriangleRay {
     least_error: f32,
 }
 
+/// What the filter takes of a ray, in each lane: one ray in all of them for eight triangles, or eight rays for one.
+#[derive(Clone, Copy)]
+pub(crate) struct FilterRay<L: Lanes> {
+    pub(crate) o: [L::F32; 3],
+    pub(crate) sx: L::F32,
+    pub(crate) sy: L::F32,
+    pub(crate) rdz: L::F32,
+    pub(crate) origin_error: L::F32,
+    pub(crate) least_error: L::F32,
+}
+
+/// What the filter found, lane by lane.
+pub(crate) struct Filtered<L: Lanes> {
+    /// The lanes in which there may be a hit with t* in the interval.
+    pub(crate) maybe: u32,
+    /// Those in which there is one for certain, with t* between `low` and `high`.
+    pub(crate) sure: u32,
+    pub(crate) low: L::F32,
+    pub(crate) high: L::F32,
+}
+
 /// What the filter found of the triangles of a leaf.
 pub(crate) struct Candidates {
     /// The triangles that may be hit with t* in the interval.
@@ -67,7 +88,41 @@ impl TriangleRay {
         self.k
     }
 
+    /// The same ray in all lanes.
+    #[inline(always)]
+    fn in_lanes<L: Lanes>(&self) -> FilterRay<L> {
+        FilterRay {
+            o: [L::splat(self.o[0]), L::splat(self.o[1]), L::splat(self.o[2])],
+            sx: L::splat(self.sx),
+            sy: L::splat(self.sy),
+            rdz: L::splat(-self.rdz),
+            origin_error: L::splat(self.origin_error),
+            least_error: L::splat(self.least_error),
+        }
+    }
+
     /// The candidates among the `count` triangles of a leaf, whose numbers lie as blocks have them.
+    #[inline(always)]
+    pub(crate) fn candidates<L: Lanes>(
+        &self,
+        leaf: &[f32; LEAF_NUMBERS],
+        count: usize,
+        [t_min, t_max]: [f32; 2],
+    ) -> Option<Candidates> {
+        // Closures would be compiled apart, and so without the instruction set, here and wherever there are lanes.
+        let [kx, ky, kz] = self.k;
+        let vertices =
+            [L::load_vertices(leaf, count, kx), L::load_vertices(leaf, count, ky), L::load_vertices(leaf, count, kz)];
+        let t = [L::splat(t_min), L::splat(t_max)];
+        let filtered = self.in_lanes::<L>().filter(&vertices, L::splat(leaf[0]), (1 << count) - 1, t)?;
+        let Filtered { maybe, sure, low, high } = filtered;
+        Some(Candidates { maybe, sure, low: L::to_array(low), high: L::to_array(high) })
+    }
+}
+
+impl<L: Lanes> FilterRay<L> {
+    /// What there is in each of `lanes`: a hit of the triangle of three vertices, given along the ray's axes one after the
+    /// other, of which d is an extent or more, with t in an open interval.
     ///
     /// With u = 2⁻²⁴, D the largest extent of any of the triangles along an axis, and m = |A_z| + D, which bounds the depths
     /// of all three vertices. A sheared coordinate x = pₓ − Sₓ p_z is wrong by δ <= u (6m + 2R), where R bounds the sheared
@@ -98,43 +153,40 @@ impl TriangleRay {
     /// more that is hard to foresee (1 %); and to let f64 decide about all that edge functions leave, by which what comes
     /// next waits longer for t (bunny's diffuse rays 9 %, sponza's random ones 7 %).
     #[inline(always)]
-    pub(crate) fn candidates<L: Lanes>(
+    pub(crate) fn filter(
         &self,
-        leaf: &[f32; LEAF_NUMBERS],
-        count: usize,
-        [t_min, t_max]: [f32; 2],
-    ) -> Option<Candidates> {
-        let x = L::load_vertices(leaf, count, self.k[0]);
-        let y = L::load_vertices(leaf, count, self.k[1]);
-        let z = L::load_vertices(leaf, count, self.k[2]);
-        let (ax, ay, az) = self.shear::<L>(x[0], y[0], z[0]);
-        let (bx, by, bz) = self.shear::<L>(x[1], y[1], z[1]);
-        let (cx, cy, cz) = self.shear::<L>(x[2], y[2], z[2]);
+        [x, y, z]: &[[L::F32; 3]; 3],
+        d: L::F32,
+        lanes: u32,
+        [t_min, t_max]: [L::F32; 2],
+    ) -> Option<Filtered<L>> {
+        let Self { rdz, origin_error, least_error, .. } = *self;
+        let (ax, ay, az) = self.shear(x[0], y[0], z[0]);
+        let (bx, by, bz) = self.shear(x[1], y[1], z[1]);
+        let (cx, cy, cz) = self.shear(x[2], y[2], z[2]);
         let e0 = L::mul_sub(cx, by, L::mul(cy, bx));
         let e1 = L::mul_sub(ax, cy, L::mul(ay, cx));
         let e2 = L::mul_sub(bx, ay, L::mul(by, ax));
-        let (d, depth) = (L::splat(leaf[0]), L::abs(az));
-        let least = L::mul_add(d, L::splat(self.origin_error), L::splat(self.least_error));
+        let depth = L::abs(az);
+        let least = L::mul_add(d, origin_error, least_error);
         let of_size = L::mul_add(depth, L::splat(256.0 * U * U), L::mul(d, L::splat(64.0 * U)));
         let error = L::mul_add(of_size, L::mul_add(d, L::splat(2.25), depth), least);
         let low = L::min(e0, L::min(e1, e2));
         let high = L::max(e0, L::max(e1, e2));
         let missed = L::lt(low, L::neg(error)) & L::lt(error, high);
-        let maybe = !missed & ((1 << count) - 1);
+        let maybe = !missed & lanes;
         if maybe == 0 {
             return None;
         }
-        let rdz = L::splat(-self.rdz);
         let size = L::add(depth, d);
-        let of_depth = L::mul_add(size, L::splat(20.0 * U), L::splat(self.origin_error));
+        let of_depth = L::mul_add(size, L::splat(20.0 * U), origin_error);
         let of_depth = L::mul(of_depth, L::abs(rdz));
         let a = L::mul(L::min(az, L::min(bz, cz)), rdz);
         let b = L::mul(L::max(az, L::max(bz, cz)), rdz);
         let (first, last) = (L::min(a, b), L::max(a, b));
         let spread = L::sub(last, first);
-        let (t_min, t_max) = (L::splat(t_min), L::splat(t_max));
         let r = L::max(largest::<L>(ax, ay), L::max(largest::<L>(bx, by), largest::<L>(cx, cy)));
-        let of_r = L::mul_add(r, L::splat(3.0 * U), L::splat(self.origin_error / 8.0));
+        let of_r = L::mul_add(r, L::splat(3.0 * U), L::mul(origin_error, L::splat(1.0 / 8.0)));
         let delta = L::mul_add(size, L::splat(8.0 * U), of_r);
         let of_delta = L::mul_add(L::mul(delta, delta), L::splat(2.0), L::splat(f32::MIN_POSITIVE));
         let error = L::mul_add(r, L::mul_add(delta, L::splat(4.0), L::mul(r, L::splat(5.0 * U))), of_delta);
@@ -150,16 +202,16 @@ impl TriangleRay {
         let (low, high) = (L::sub(t, width), L::add(t, width));
         let sure = sure & L::lt(L::splat(LEAST), L::abs(t));
         let maybe = maybe & !(sure & (L::lt(t_max, low) | L::lt(high, t_min)));
-        Some(Candidates { maybe, sure: sure & maybe, low: L::to_array(low), high: L::to_array(high) })
+        Some(Filtered { maybe, sure: sure & maybe, low, high })
     }
 
     /// The sheared coordinates of the ray's origin, seen from a vertex of each triangle.
     #[inline(always)]
-    fn shear<L: Lanes>(&self, x: L::F32, y: L::F32, z: L::F32) -> (L::F32, L::F32, L::F32) {
-        let z = L::sub(L::splat(self.o[2]), z);
-        let x = L::sub(L::splat(self.o[0]), x);
-        let y = L::sub(L::splat(self.o[1]), y);
-        (L::mul_add(L::splat(self.sx), z, x), L::mul_add(L::splat(self.sy), z, y), z)
+    fn shear(&self, x: L::F32, y: L::F32, z: L::F32) -> (L::F32, L::F32, L::F32) {
+        let z = L::sub(self.o[2], z);
+        let x = L::sub(self.o[0], x);
+        let y = L::sub(self.o[1], y);
+        (L::mul_add(self.sx, z, x), L::mul_add(self.sy, z, y), z)
     }
 }
 

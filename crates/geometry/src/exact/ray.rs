@@ -151,10 +151,11 @@ impl ExactRay {
     pub fn values(&self, vertices: &[Vec3; 3], hit: &Enclosure, observer: &mut impl TierObserver) -> TriangleHit {
         let mut tier = Tier::Certificate;
         let t = self.round_t(vertices, hit, &mut tier);
-        let b = self.frame.shear(vertices).barycentrics().unwrap_or_else(|| {
+        let (mut b, is_certain) = self.frame.shear(vertices).barycentrics();
+        if !is_certain {
             tier = Tier::Exact;
-            self.line.approximate(vertices).b
-        });
+            b = self.line.approximate(vertices).b;
+        }
         observer.decided(tier);
         TriangleHit { t, u: unit_f32(b[0]), v: unit_f32(b[1]) }
     }
@@ -184,11 +185,65 @@ impl ExactRay {
 /// Compiled in place, so that a kernel for wider registers has it in its own instructions.
 #[inline(always)]
 pub fn values_of_hit(ray: &TraversalRay, vertices: &[[f32; 3]; 3]) -> TriangleHit {
-    let frame = Frame::new(ray);
+    let (values, is_certain) = values_in_frame(&Frame::new(ray), vertices);
+    if is_certain { values } else { values_of_difficult_hit(ray, vertices) }
+}
+
+/// The values of a hit in f64, and whether they are certain. Without branches.
+#[inline(always)]
+fn values_in_frame(frame: &Frame, vertices: &[[f32; 3]; 3]) -> (TriangleHit, bool) {
     let sheared = frame.shear_permuted(vertices);
-    match (sheared.t(frame.rdz()), sheared.barycentrics()) {
-        (Some(t), Some(b)) => TriangleHit { t, u: unit_f32(b[0]), v: unit_f32(b[1]) },
-        _ => values_of_difficult_hit(ray, vertices),
+    let (t, t_is_certain) = sheared.t(frame.rdz());
+    let (b, b_is_certain) = sheared.barycentrics();
+    (TriangleHit { t, u: unit_f32(b[0]), v: unit_f32(b[1]) }, t_is_certain & b_is_certain)
+}
+
+/// Triangles that are known to be hit, each by a ray of its own, with the coordinates of all in the order kx, ky, kz that these
+/// rays have in common; none of the rays was transformed.
+#[derive(Clone, Copy, Debug)]
+pub struct HitLanes<const N: usize> {
+    /// For each axis the origins.
+    pub origins: [[f32; N]; 3],
+    /// For each axis the directions.
+    pub directions: [[f32; N]; 3],
+    /// For each axis the first vertices, the second and the third.
+    pub vertices: [[[f32; N]; 3]; 3],
+}
+
+/// The [values](values_of_hit) of some hits.
+#[derive(Clone, Copy, Debug)]
+pub struct ValueLanes<const N: usize> {
+    /// The ray's parameters.
+    pub t: [f32; N],
+    /// The barycentrics of the second vertices.
+    pub u: [f32; N],
+    /// The barycentrics of the third vertices.
+    pub v: [f32; N],
+    /// Whether they are those that [`values_of_hit`] gives: 1, or 0 where that takes more than f64.
+    pub is_certain: [u32; N],
+}
+
+impl<const N: usize> HitLanes<N> {
+    /// For each what [`values_of_hit`] gives, where f64 is enough for that.
+    ///
+    /// Without branches, so that a kernel for wide registers computes several at a time.
+    #[inline(always)]
+    pub fn values(&self) -> ValueLanes<N> {
+        let mut values = ValueLanes { t: [0.0; N], u: [0.0; N], v: [0.0; N], is_certain: [0; N] };
+        let ([ox, oy, oz], [dx, dy, dz]) = (&self.origins, &self.directions);
+        let [[ax, bx, cx], [ay, by, cy], [az, bz, cz]] = &self.vertices;
+        for lane in 0..N {
+            let origin = [f64::from(ox[lane]), f64::from(oy[lane]), f64::from(oz[lane])];
+            let direction = [f64::from(dx[lane]), f64::from(dy[lane]), f64::from(dz[lane])];
+            let frame = Frame::along([0, 1, 2], [origin, direction]);
+            let a = [ax[lane], ay[lane], az[lane]];
+            let b = [bx[lane], by[lane], bz[lane]];
+            let c = [cx[lane], cy[lane], cz[lane]];
+            let (hit, is_certain) = values_in_frame(&frame, &[a, b, c]);
+            (values.t[lane], values.u[lane], values.v[lane]) = (hit.t, hit.u, hit.v);
+            values.is_certain[lane] = u32::from(is_certain);
+        }
+        values
     }
 }
 

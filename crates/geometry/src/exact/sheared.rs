@@ -52,7 +52,12 @@ impl Frame {
     #[inline(always)]
     pub(super) fn new(ray: &TraversalRay) -> Self {
         let &Shear { kx, ky, kz, .. } = ray.shear();
-        let [origin, d] = ray.permuted64();
+        Self::along([kx, ky, kz], ray.permuted64())
+    }
+
+    /// The frame of an origin and a direction whose coordinates are in the order of these axes.
+    #[inline(always)]
+    pub(super) fn along([kx, ky, kz]: [usize; 3], [origin, d]: [[f64; 3]; 2]) -> Self {
         let rdz = 1.0 / d[2];
         Self { kx, ky, kz, origin, sx: d[0] * rdz, sy: d[1] * rdz, rdz }
     }
@@ -133,25 +138,26 @@ impl Sheared {
         5.0 * delta * (r + delta) + TINY
     }
 
-    /// The barycentrics eᵢ / Σe of the second and the third vertex, where they are certain within 2⁻²⁴.
+    /// The barycentrics eᵢ / Σe of the second and the third vertex, and whether they are certain within 2⁻²⁴.
     ///
     /// Each is wrong by (E + 3E |bᵢ|) / (Σe − 3E) at most, 4E / Σe to first order, and by four roundings. (A bound that
     /// rounding to f32 would hide, 2⁻²⁸, was too much: it sent every triangle 10⁵ times its size away to exact numbers.)
     #[inline(always)]
-    pub(super) fn barycentrics(&self) -> Option<[f64; 2]> {
+    pub(super) fn barycentrics(&self) -> ([f64; 2], bool) {
+        const SAFETY: f64 = (1_u64 << 26) as f64;
         let [e0, e1, e2] = self.edges;
         let sum = e0 + e1 + e2;
         let r = 1.0 / sum;
-        (sum.abs() >= 2.0_f64.powi(26) * self.edge_error()).then_some([e1 * r, e2 * r])
+        ([e1 * r, e2 * r], sum.abs() >= SAFETY * self.edge_error())
     }
 
-    /// t* of a hit rounded to the nearest f32, where that is certain: Σ eᵢ zᵢ / Σe / d_z.
+    /// t* of a hit rounded to the nearest f32, and whether that is certain: Σ eᵢ zᵢ / Σe / d_z.
     ///
     /// A mean of the depths Z, whose weights are wrong by 6E / (|Σe| − 3E) together, here 8E / |Σe|. The roundings: one in
     /// each z, three in the sum of products and two in Σe, of which all terms have one sign but for what E covers; two
     /// reciprocals, two products. Here 16u Z.
     #[inline(always)]
-    pub(super) fn t(&self, rdz: f64) -> Option<f32> {
+    pub(super) fn t(&self, rdz: f64) -> (f32, bool) {
         let ([e0, e1, e2], [z0, z1, z2]) = (self.edges, self.z);
         let sum = e0 + e1 + e2;
         let r = 1.0 / sum;
@@ -161,6 +167,6 @@ impl Sheared {
         let (low, high) = ((t - error) as f32, (t + error) as f32);
         // What may underflow or overflow is left to others.
         let is_certain = (low == high) & (low >= f32::MIN_POSITIVE) & (high < f32::MAX) & (sum.abs() >= LEAST_SUM);
-        is_certain.then_some(low)
+        (low, is_certain)
     }
 }
