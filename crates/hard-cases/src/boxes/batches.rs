@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use bvh_flat::{BuildConfig, RaySegment, SimdWidth, WideLayout, WideMesh};
+use geometry::glam::Vec3;
 use geometry::{Hit, Interval, Ray, Shape, TraversalRay, TriangleMesh};
 use scene::meshes;
 
@@ -12,8 +13,9 @@ use crate::{Aim, Outcome, Random, Run};
 /// Rays to a batch.
 const BATCH: usize = 512;
 
-/// Batches of different rays, of copies of one, and with what is no ray or no interval between them, in a tree so large
-/// that they are interleaved and in a small one: each ray is answered as alone.
+/// Batches of different rays, of copies of one, of rays from one point to neighbouring vertices, which go together, and with
+/// what is no ray or no interval between them, in a tree so large that others are interleaved and in a small one: each ray is
+/// answered as alone.
 pub(super) fn independent(run: &Run) -> Outcome {
     let try_all = || -> Fallible<Findings> {
         let mut random = Random::new(run.seed, 124);
@@ -49,14 +51,23 @@ pub(super) fn independent(run: &Run) -> Outcome {
 
 /// The `i`-th batch.
 fn batch(i: usize, mesh: &TriangleMesh, random: &mut Random) -> Vec<RaySegment> {
-    let copies = [1, 1, 7, 8, 64][i % 5];
+    let copies = [1, 1, 7, 8, 64, 0][i % 6];
     let mut rays = Vec::with_capacity(BATCH);
     while rays.len() < BATCH {
         let origin = 2.0 * random.vector();
-        let direction = Aim::ALL[random.below(4)].target(mesh, random) - origin;
         let t_max = [f32::INFINITY, random.unit(), 2.0 * random.unit()][random.below(3)];
-        let ray = RaySegment { origin: origin.into(), t_min: 0.0, direction: direction.into(), t_max };
-        rays.extend(std::iter::repeat_n(ray, copies));
+        let ray = |target: Vec3| {
+            let direction = target - origin;
+            RaySegment { origin: origin.into(), t_min: 0.0, direction: direction.into(), t_max }
+        };
+        if copies == 0 {
+            let first = random.below(mesh.len());
+            let triangles = (0..64).map(|j| mesh.vertices((first + j / 3) % mesh.len()));
+            rays.extend(triangles.enumerate().map(|(j, vertices)| ray(vertices[j % 3])));
+        } else {
+            let ray = ray(Aim::ALL[random.below(4)].target(mesh, random));
+            rays.extend(std::iter::repeat_n(ray, copies));
+        }
     }
     rays.truncate(BATCH);
     if i % 2 == 1 {
