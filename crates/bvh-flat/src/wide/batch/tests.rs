@@ -52,13 +52,17 @@ impl Trees {
         Self::new(mesh.expect("in range"))
     }
 
-    /// Squares of 1, up to 32 in x and y, in the plane z = 8: rays through whole numbers meet vertices.
+    /// Squares of 1, up to 32 in x and y, in the plane z = 8: rays through whole numbers meet vertices. And all of them again,
+    /// with every third vertex an ulp closer or further.
     fn lattice() -> Self {
-        let vertex = |x: u32, y: u32| 33 * y + x;
-        let positions = (0..33 * 33).map(|i| Vec3::new((i % 33) as f32, (i / 33) as f32, 8.0)).collect();
-        let squares = (0..32 * 32).map(|i| (i % 32, i / 32));
-        let triangles = squares.flat_map(|(x, y)| {
-            let [a, b, c, d] = [vertex(x, y), vertex(x + 1, y), vertex(x + 1, y + 1), vertex(x, y + 1)];
+        let z = |copy: u32, i: u32| {
+            if copy == 0 { 8.0 } else { [8.0, 8.0_f32.next_up(), 8.0_f32.next_down()][i as usize % 3] }
+        };
+        let vertices = |copy: u32| (0..33 * 33).map(move |i| Vec3::new((i % 33) as f32, (i / 33) as f32, z(copy, i)));
+        let positions = vertices(0).chain(vertices(1)).collect();
+        let triangles = (0..2 * 32 * 32).flat_map(|i| {
+            let vertex = |x: u32, y: u32| 33 * 33 * (i / 1024) + 33 * (i / 32 % 32 + y) + i % 32 + x;
+            let [a, b, c, d] = [vertex(0, 0), vertex(1, 0), vertex(1, 1), vertex(0, 1)];
             [[a, b, c], [c, d, a]]
         });
         Self::new(TriangleMesh::new(positions, triangles.collect()).expect("in range"))
@@ -167,15 +171,19 @@ fn rays_that_go_together_have_the_answers_of_single_ones() {
     }
 }
 
-/// Where f32 decides little: a ray in sixteen meets a vertex, and a half an edge, and several triangles at the same t.
+/// Where f32 decides little: one ray in four meets a vertex, and all others an edge, and several triangles at the same t or
+/// an ulp apart, where many of the intervals end.
 #[test]
 fn rays_together_through_vertices_have_the_answers_of_single_ones() {
     let trees = Trees::lattice();
-    let ray = |i: u32| {
-        let [x, y] = in_tiles(i, 16).map(|x| x as f32 / 4.0);
-        let direction = Vec3::new(x + 4.0, y + 2.0, 8.0);
-        RaySegment { origin: [-4.0, -2.0, 0.0], t_min: 0.0, direction: direction.into(), t_max: 2.0 }
-    };
-    let rays: Vec<RaySegment> = (0..128 * 128).map(ray).collect();
-    assert_eq!(trees.check(&rays), rays.len());
+    for ends in [[0.0, 2.0], [0.0, 1.0], [1.0, 2.0], [0.0, 1.0_f32.next_up()], [1.0_f32.next_down(), 1.0]] {
+        let ray = |i: u32| {
+            let [x, y] = in_tiles(i, 8).map(|x| x as f32 / 2.0);
+            let direction = Vec3::new(x + 4.0, y + 2.0, 8.0);
+            RaySegment { origin: [-4.0, -2.0, 0.0], t_min: ends[0], direction: direction.into(), t_max: ends[1] }
+        };
+        let rays: Vec<RaySegment> = (0..64 * 64).map(ray).collect();
+        let hits = trees.check(&rays);
+        assert!((200..=rays.len()).contains(&hits), "{hits}");
+    }
 }
