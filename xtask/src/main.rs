@@ -5,6 +5,7 @@ mod cache;
 mod errors;
 mod input;
 mod measure;
+mod museum;
 mod picture;
 mod render;
 mod shading;
@@ -32,6 +33,7 @@ Examples:
   cargo xtask sweep builtin:terrain:1M           on a generated terrain of a million triangles
   cargo xtask render bunny.ply --view visits -o visits.png
   cargo xtask verify                             the catalogue of hard cases
+  cargo xtask museum                             the field's bugs, with pictures
   cargo xtask cache bench kitchen.ply            what a load takes beside a build
   cargo xtask trace bunny.ply --rays engine.rays --out hits.npy";
 
@@ -43,6 +45,8 @@ enum Command {
     Render(render::Arguments),
     /// Run the catalogue of hard cases, or compare a scene's answers with the exact ones
     Verify(verify::Arguments),
+    /// Look at the field's bugs: what a textbook's tracer does there, and what the library does
+    Museum(museum::Arguments),
     /// Keep trees in files: build, look into, verify, measure and delete them
     Cache(cache::Arguments),
     /// Trace rays from a file, from your own engine for instance, and write their hits
@@ -54,6 +58,7 @@ fn main() -> ExitCode {
         Command::Sweep(arguments) => sweep::run(&arguments),
         Command::Render(arguments) => render::run(&arguments),
         Command::Verify(arguments) => verify::run(&arguments),
+        Command::Museum(arguments) => museum::run(&arguments),
         Command::Cache(arguments) => cache::run(&arguments),
         Command::Trace(arguments) => trace::run(&arguments),
     };
