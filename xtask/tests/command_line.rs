@@ -209,7 +209,7 @@ fn bad_input_is_refused_with_words() {
     std::fs::write(here.join("index.obj"), "v 0 0 0\nv 1 0 0\nf 1 2 7\n").expect("written");
     std::fs::write(here.join("flat.pbrt"), "WorldBegin\nScale 1 0 1\nShape \"sphere\"\n").expect("written");
     std::fs::write(here.join("notes.txt"), "hello").expect("written");
-    let cases: [(&[&str], i32, &str); 27] = [
+    let cases: [(&[&str], i32, &str); 28] = [
         (&["sweep", "missing.ply"], 1, "missing.ply: cannot be read"),
         (&["render", "."], 1, "is a directory"),
         (&["sweep", "cut.ply"], 1, "cut.ply"),
@@ -230,6 +230,7 @@ fn bad_input_is_refused_with_words() {
         (&["render", "--view", "beautiful"], 2, "shaded"),
         (&["polish"], 2, "polish"),
         (&["museum", "edges,louvre"], 2, "no exhibit is called \"louvre\""),
+        (&["compare", "missing.ply"], 1, "missing.ply: cannot be read"),
         (&["cache"], 2, "Usage"),
         (&["cache", "polish"], 2, "polish"),
         (&["cache", "info", "missing.bvh"], 1, "missing.bvh: the cache file cannot be read"),
@@ -262,7 +263,7 @@ fn unknown_directives_are_warned_of() {
 #[test]
 fn help_is_there_for_every_command() {
     let folder = directory();
-    for command in ["sweep", "render", "trace", "verify", "cache build", "cache bench", "cache verify"] {
+    for command in ["sweep", "render", "trace", "verify", "compare", "cache build", "cache bench", "cache verify"] {
         let arguments: Vec<&str> = command.split(' ').chain(["--help"]).collect();
         let (code, text) = run(&arguments, folder.path());
         assert_eq!(code, 0);
