@@ -2,6 +2,7 @@
 //! code: 0 good, 1 a failure of what was asked, 2 a command line that makes no sense.
 
 mod cache;
+mod ci;
 mod compare;
 mod errors;
 mod input;
@@ -53,6 +54,8 @@ enum Command {
     Museum(museum::Arguments),
     /// Keep trees in files: build, look into, verify, measure and delete them
     Cache(cache::Arguments),
+    /// Check all that must hold before a push
+    Ci(ci::Arguments),
     /// Trace rays from a file, from your own engine for instance, and write their hits
     Trace(trace::Arguments),
 }
@@ -65,6 +68,7 @@ fn main() -> ExitCode {
         Command::Compare(arguments) => compare::run(&arguments),
         Command::Museum(arguments) => museum::run(&arguments),
         Command::Cache(arguments) => cache::run(&arguments),
+        Command::Ci(arguments) => ci::run(&arguments),
         Command::Trace(arguments) => trace::run(&arguments),
     };
     match result {
