@@ -45,7 +45,7 @@ fn exact_transforms_are_invisible() {
     let mirror = Transform::scale(DVec3::new(-2.0, 2.0, 2.0)).expect("not flat");
     for t in [Transform::IDENTITY, quarter, mirror, quarter.then_inside(&mirror).expect("invertible")] {
         let placed = TransformedPrimitive::new(Arc::clone(&shared), t);
-        let moved = mesh.positions().iter().map(|p| t.point(p.as_dvec3()).as_vec3()).collect();
+        let moved: Vec<Vec3> = mesh.positions().iter().map(|p| t.point(p.as_dvec3()).as_vec3()).collect();
         let flattened = object(TriangleMesh::new(moved, mesh.triangles().to_vec()).expect("indices are in range"));
         let mut hits = 0;
         for (ray, interval) in rays_at(flattened.shape().mesh(), &flattened.world_bound(), 3_000, 7) {

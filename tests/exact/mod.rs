@@ -32,7 +32,7 @@ fn lattices() {
     let mut point = || Vec3::new(random.below(5) as f32, random.below(5) as f32, random.below(5) as f32);
     let soup = mesh_of((0..150).map(|_| [point(), point(), point()]));
     let sphere = star(2, 1.0, 3);
-    let positions = sphere.positions().iter().map(|p| (4.0 * p).round()).collect();
+    let positions: Vec<Vec3> = sphere.positions().iter().map(|p| (4.0 * p).round()).collect();
     let rounded = TriangleMesh::new(positions, sphere.triangles().to_vec()).expect("indices are in range");
     let mut all = Findings::default();
     for mesh in [soup, rounded] {
@@ -112,7 +112,7 @@ fn all_scales() {
     for (i, scale) in [-148, -140, -126, -100, -60, -30, 0, 30, 58].into_iter().enumerate() {
         let sphere = star(2, 0.5, 17);
         let factor = |e: i32| 2.0_f64.powi(e) as f32;
-        let positions = sphere.positions().iter().map(|p| factor(scale) * p).collect();
+        let positions: Vec<Vec3> = sphere.positions().iter().map(|p| factor(scale) * p).collect();
         let mesh = TriangleMesh::new(positions, sphere.triangles().to_vec()).expect("indices are in range");
         let answers = Answers::new(mesh);
         let mut rays = aimed(&answers.exact[0], 70, i as u64, |r, _| factor(scale) * 2.0 * r.vector());
@@ -199,7 +199,7 @@ fn denormal_directions_in_instances() {
         // The mesh is so small in its own space that t is in the range of f32, and of the size 1 in the world.
         let (small, large) = (2.0_f64.powi(-24), 2.0_f64.powi(24));
         let sphere = star(2, 0.5, 43);
-        let positions = sphere.positions().iter().map(|p| small as f32 * p).collect();
+        let positions: Vec<Vec3> = sphere.positions().iter().map(|p| small as f32 * p).collect();
         let mesh = TriangleMesh::new(positions, sphere.triangles().to_vec()).expect("indices are in range");
         let answers = Answers::instance(mesh, DAffine3::from_scale(DVec3::splat(large)));
         // The direction in the world is a normal number, and 2²⁴ times that in the mesh's space.

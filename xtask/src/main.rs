@@ -2,9 +2,12 @@
 //! code: 0 good, 1 a failure of what was asked, 2 a command line that makes no sense.
 
 mod cache;
+mod ci;
+mod compare;
 mod errors;
 mod input;
 mod measure;
+mod museum;
 mod picture;
 mod render;
 mod shading;
@@ -32,6 +35,8 @@ Examples:
   cargo xtask sweep builtin:terrain:1M           on a generated terrain of a million triangles
   cargo xtask render bunny.ply --view visits -o visits.png
   cargo xtask verify                             the catalogue of hard cases
+  cargo xtask compare bunny.ply                  Embree and others beside this library
+  cargo xtask museum                             the field's bugs, with pictures
   cargo xtask cache bench kitchen.ply            what a load takes beside a build
   cargo xtask trace bunny.ply --rays engine.rays --out hits.npy";
 
@@ -43,8 +48,14 @@ enum Command {
     Render(render::Arguments),
     /// Run the catalogue of hard cases, or compare a scene's answers with the exact ones
     Verify(verify::Arguments),
+    /// Measure other libraries beside this one, on a scene: their speed, and their errors
+    Compare(compare::Arguments),
+    /// Look at the field's bugs: what a textbook's tracer does there, and what the library does
+    Museum(museum::Arguments),
     /// Keep trees in files: build, look into, verify, measure and delete them
     Cache(cache::Arguments),
+    /// Check all that must hold before a push
+    Ci(ci::Arguments),
     /// Trace rays from a file, from your own engine for instance, and write their hits
     Trace(trace::Arguments),
 }
@@ -54,7 +65,10 @@ fn main() -> ExitCode {
         Command::Sweep(arguments) => sweep::run(&arguments),
         Command::Render(arguments) => render::run(&arguments),
         Command::Verify(arguments) => verify::run(&arguments),
+        Command::Compare(arguments) => compare::run(&arguments),
+        Command::Museum(arguments) => museum::run(&arguments),
         Command::Cache(arguments) => cache::run(&arguments),
+        Command::Ci(arguments) => ci::run(&arguments),
         Command::Trace(arguments) => trace::run(&arguments),
     };
     match result {

@@ -175,6 +175,20 @@ fn sweep_prints_its_tables_and_writes_its_results() {
 }
 
 #[test]
+fn museum_prints_its_table_and_writes_its_page() {
+    let folder = directory();
+    let (code, text) = run(&["museum", "twins,negative-zero", "--rays", "256", "--out", "m"], folder.path());
+    assert_eq!(code, 0, "{text}");
+    for words in ["A direction of −0", "jbikker/tinybvh#282", "the build does not end", "2 of 2 exhibits pass"] {
+        assert!(text.contains(words), "{words} is not in: {text}");
+    }
+    let page = std::fs::read_to_string(folder.path().join("m/museum.html")).expect("the page is there");
+    assert!(page.contains("Two identical triangles") && !page.contains("An empty scene"));
+    let png = std::fs::read(folder.path().join("m/negative-zero.png")).expect("the picture is there");
+    assert_eq!(&png[1..4], b"PNG");
+}
+
+#[test]
 fn verify_compares_a_scene_with_the_exact_answers() {
     let folder = directory();
     square(folder.path());
@@ -195,7 +209,7 @@ fn bad_input_is_refused_with_words() {
     std::fs::write(here.join("index.obj"), "v 0 0 0\nv 1 0 0\nf 1 2 7\n").expect("written");
     std::fs::write(here.join("flat.pbrt"), "WorldBegin\nScale 1 0 1\nShape \"sphere\"\n").expect("written");
     std::fs::write(here.join("notes.txt"), "hello").expect("written");
-    let cases: [(&[&str], i32, &str); 26] = [
+    let cases: [(&[&str], i32, &str); 28] = [
         (&["sweep", "missing.ply"], 1, "missing.ply: cannot be read"),
         (&["render", "."], 1, "is a directory"),
         (&["sweep", "cut.ply"], 1, "cut.ply"),
@@ -215,6 +229,8 @@ fn bad_input_is_refused_with_words() {
         (&["render", "square.obj", "-o", "no/such/place.png", "--width", "8", "--height", "8"], 1, "place.png"),
         (&["render", "--view", "beautiful"], 2, "shaded"),
         (&["polish"], 2, "polish"),
+        (&["museum", "edges,louvre"], 2, "no exhibit is called \"louvre\""),
+        (&["compare", "missing.ply"], 1, "missing.ply: cannot be read"),
         (&["cache"], 2, "Usage"),
         (&["cache", "polish"], 2, "polish"),
         (&["cache", "info", "missing.bvh"], 1, "missing.bvh: the cache file cannot be read"),
@@ -247,7 +263,7 @@ fn unknown_directives_are_warned_of() {
 #[test]
 fn help_is_there_for_every_command() {
     let folder = directory();
-    for command in ["sweep", "render", "trace", "verify", "cache build", "cache bench", "cache verify"] {
+    for command in ["sweep", "render", "trace", "verify", "compare", "cache build", "cache bench", "cache verify"] {
         let arguments: Vec<&str> = command.split(' ').chain(["--help"]).collect();
         let (code, text) = run(&arguments, folder.path());
         assert_eq!(code, 0);
@@ -308,8 +324,9 @@ fn cache_bench_measures_what_a_load_takes() {
     }
 }
 
-/// A disk that is full, as far as the writer can tell: a limit on the size of files, first as an error and then as a signal
-/// that ends the process in the middle. And processes that are killed at any time. The old file stays as it was.
+/// A disk that is full, as far as the writer can tell: a limit on the size of files, first as an error and then as a
+/// signal that ends the process in the middle. And processes that are killed at any time. The old file stays as it
+/// was.
 #[test]
 #[cfg(unix)]
 fn a_write_that_fails_leaves_the_old_file() {

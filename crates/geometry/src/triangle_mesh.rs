@@ -58,7 +58,11 @@ impl TriangleMesh {
     ///
     /// # Errors
     /// [`MeshError::IndexOutOfRange`] for the first index that names no vertex, [`MeshError::TooLarge`].
-    pub fn new(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Result<Self, MeshError> {
+    pub fn new(
+        positions: impl IntoIterator<Item = impl Into<Vec3>>,
+        triangles: Vec<[u32; 3]>,
+    ) -> Result<Self, MeshError> {
+        let positions: Vec<Vec3> = positions.into_iter().map(Into::into).collect();
         for (what, count) in [("vertices", positions.len()), ("triangles", triangles.len())] {
             if u32::try_from(count).is_err() {
                 return Err(MeshError::TooLarge { what, count });

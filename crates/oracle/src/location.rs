@@ -103,7 +103,8 @@ mod tests {
 
     /// The cube [0, 2]³, with corners numbered by their bits.
     fn cube() -> MeshOracle {
-        let positions = (0..8).map(|i| 2.0 * Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32)).collect();
+        let positions: Vec<Vec3> =
+            (0..8).map(|i| 2.0 * Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32)).collect();
         let quads = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
         let triangles = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
         MeshOracle::new(&TriangleMesh::new(positions, triangles).expect("in range"))

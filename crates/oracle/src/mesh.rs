@@ -288,7 +288,7 @@ mod tests {
         assert!(!MeshOracle::new(&mesh).any(&down, Interval::EMPTY, &mut Tally::default()));
         let flat = ExactTransform::new(&DAffine3::from_scale(DVec3::new(1.0, 0.0, 1.0))).expect("finite");
         assert!(!MeshOracle::instance(&mesh, flat).any(&down, Interval::FULL, &mut Tally::default()));
-        let empty = MeshOracle::new(&TriangleMesh::new(Vec::new(), Vec::new()).expect("in range"));
+        let empty = MeshOracle::new(&TriangleMesh::new([Vec3::ZERO; 0], Vec::new()).expect("in range"));
         assert!(empty.closest(&down, Interval::FULL, &mut Tally::default()).is_none());
     }
 }

@@ -100,7 +100,7 @@ mod tests {
     }
 
     fn sphere(c: [f32; 3], r: f32) -> Sphere {
-        Sphere::new(c.into(), r).expect("valid")
+        Sphere::new(c, r).expect("valid")
     }
 
     #[test]

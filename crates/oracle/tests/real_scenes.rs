@@ -26,7 +26,7 @@ fn load(name: &str) -> Option<TriangleMesh> {
     let index = |b: &[u8]| u32::from_le_bytes(b.try_into().expect("four bytes"));
     let positions = vertices.chunks_exact(12).map(|v| Vec3::new(float(&v[..4]), float(&v[4..8]), float(&v[8..])));
     let triangles = faces.chunks_exact(13).map(|f| [index(&f[1..5]), index(&f[5..9]), index(&f[9..])]);
-    Some(TriangleMesh::new(positions.collect(), triangles.collect()).expect("indices are in range"))
+    Some(TriangleMesh::new(positions, triangles.collect()).expect("indices are in range"))
 }
 
 /// Rays from outside of the bounds, aimed at vertices, many of them exactly and along an axis: as many crossings lead

@@ -49,7 +49,8 @@ impl SurfaceInteraction {
     /// Its origin is moved along the normal, to the side of `direction`, until the box `p ± p_error` lies behind the
     /// plane through it; each coordinate that moves is rounded away from the surface. This is pbrt's OffsetRayOrigin
     /// (section 6.8.6 of the fourth edition), with the sum in f64, so that no coordinate moves that need not.
-    pub fn spawn_ray(&self, direction: Vec3) -> Ray {
+    pub fn spawn_ray(&self, direction: impl Into<Vec3>) -> Ray {
+        let direction = direction.into();
         let (p, n) = (self.p(), self.point.n);
         let away = if n.dot(direction.as_dvec3()) < 0.0 { -n } else { n };
         let offset = away * n.abs().dot(self.p_error().as_dvec3());

@@ -6,7 +6,7 @@
 //! # let folder = tempfile::tempdir()?;
 //! # let path = folder.path().join("square.bvh");
 //! # let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
-//! # let mesh = std::sync::Arc::new(TriangleMesh::new(corners.map(Into::into).into(), vec![[0, 1, 2], [0, 2, 3]])?);
+//! # let mesh = std::sync::Arc::new(TriangleMesh::new(corners, vec![[0, 1, 2], [0, 2, 3]])?);
 //! let config = BuildConfig::balanced();
 //! let cached = WideMesh::load_or_build(&path, mesh, &config, WideLayout::Blocks)?;
 //! if let Some(message) = cached.origin.message() {

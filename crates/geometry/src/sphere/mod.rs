@@ -38,7 +38,8 @@ impl Sphere {
     ///
     /// # Errors
     /// [`SphereError`] where the radius is not positive and finite, or the center not finite.
-    pub fn new(center: Vec3, radius: f32) -> Result<Self, SphereError> {
+    pub fn new(center: impl Into<Vec3>, radius: f32) -> Result<Self, SphereError> {
+        let center = center.into();
         if !(radius > 0.0 && radius.is_finite()) {
             return Err(SphereError::Radius(radius));
         }

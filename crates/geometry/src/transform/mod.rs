@@ -84,24 +84,24 @@ impl Transform {
     ///
     /// # Errors
     /// [`TransformError::NotFinite`].
-    pub fn translate(delta: DVec3) -> Result<Self, TransformError> {
-        Self::from_affine(DAffine3::from_translation(delta))
+    pub fn translate(delta: impl Into<DVec3>) -> Result<Self, TransformError> {
+        Self::from_affine(DAffine3::from_translation(delta.into()))
     }
 
     /// The scaling by `factors` along the axes; negative ones mirror.
     ///
     /// # Errors
     /// As [`from_affine`](Self::from_affine).
-    pub fn scale(factors: DVec3) -> Result<Self, TransformError> {
-        Self::from_affine(DAffine3::from_scale(factors))
+    pub fn scale(factors: impl Into<DVec3>) -> Result<Self, TransformError> {
+        Self::from_affine(DAffine3::from_scale(factors.into()))
     }
 
     /// The rotation by `degrees` around `axis`, counter-clockwise as seen against it (pbrt's Rotate).
     ///
     /// # Errors
     /// [`TransformError::NotFinite`], also for an axis of zero length.
-    pub fn rotate(degrees: f64, axis: DVec3) -> Result<Self, TransformError> {
-        let a = axis.try_normalize().ok_or(TransformError::NotFinite)?;
+    pub fn rotate(degrees: f64, axis: impl Into<DVec3>) -> Result<Self, TransformError> {
+        let a = axis.into().try_normalize().ok_or(TransformError::NotFinite)?;
         // Quarter turns are exact; other angles are as good as libm, the same on every platform.
         let (sin, cos) = match degrees.rem_euclid(360.0) {
             0.0 => (0.0, 1.0),
@@ -123,7 +123,12 @@ impl Transform {
     ///
     /// # Errors
     /// [`TransformError::Singular`] where `look` is `eye` or `up` is parallel to the view.
-    pub fn look_at(eye: DVec3, look: DVec3, up: DVec3) -> Result<Self, TransformError> {
+    pub fn look_at(
+        eye: impl Into<DVec3>,
+        look: impl Into<DVec3>,
+        up: impl Into<DVec3>,
+    ) -> Result<Self, TransformError> {
+        let (eye, look, up) = (eye.into(), look.into(), up.into());
         let singular = TransformError::Singular { determinant: 0.0 };
         let z = (look - eye).try_normalize().ok_or(singular)?;
         let x = up.cross(z).try_normalize().ok_or(singular)?;

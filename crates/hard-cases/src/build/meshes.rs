@@ -31,7 +31,7 @@ pub(crate) fn cuboid(min: Vec3, max: Vec3) -> TriangleMesh {
 pub(crate) fn bumpy_sphere(subdivisions: u32, radius: f64, center: DVec3, random: &mut Random) -> TriangleMesh {
     let sphere = scene::meshes::icosphere(subdivisions, |_| radius * (1.0 + 0.1 * f64::from(random.signed())));
     let sphere = sphere.expect("few enough triangles");
-    let positions = sphere.positions().iter().map(|p| (p.as_dvec3() + center).as_vec3()).collect();
+    let positions: Vec<Vec3> = sphere.positions().iter().map(|p| (p.as_dvec3() + center).as_vec3()).collect();
     TriangleMesh::new(positions, sphere.triangles().to_vec()).expect("each index is that of a vertex")
 }
 

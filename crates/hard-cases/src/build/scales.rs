@@ -95,7 +95,7 @@ pub(super) fn denormal(run: &Run) -> Outcome {
     let Some(plain) = Judge::new(&mut tries, run, mesh.clone()) else { return tries.outcome() };
     for k in [-40, -60, -80] {
         let s = 2.0_f32.powi(k);
-        let positions = mesh.positions().iter().map(|&p| s * p).collect();
+        let positions: Vec<Vec3> = mesh.positions().iter().map(|&p| s * p).collect();
         let small = TriangleMesh::new(positions, mesh.triangles().to_vec()).expect("the same indices");
         let Some(small) = Judge::new(&mut tries, run, small) else { continue };
         for ray in &rays {

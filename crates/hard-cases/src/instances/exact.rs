@@ -27,7 +27,7 @@ pub(super) fn bit_identical(run: &Run) -> Outcome {
         let offset = random.vector();
         let mesh = bumpy(random, offset, 1.0);
         let (Ok(transform), Some(mesh)) = (Transform::from_affine(DAffine3::from_mat3(linear)), mesh) else { return };
-        let moved = mesh.positions().iter().map(|p| transform.point(p.as_dvec3()).as_vec3()).collect();
+        let moved = mesh.positions().iter().map(|p| transform.point(p.as_dvec3()).as_vec3());
         let flat = TriangleMesh::new(moved, mesh.triangles().to_vec()).ok().and_then(|m| mesh_primitive(&Arc::new(m)));
         let (Some(flat), Some(placed)) = (flat, Placed::new(mesh, vec![transform])) else { return };
         for _ in 0..16 {

@@ -41,7 +41,7 @@ pub(crate) fn mesh_primitive(mesh: &Arc<TriangleMesh>) -> Option<AnyPrimitive> {
 /// A closed, star-shaped mesh around `center` with radii around `size`, of 320 triangles.
 pub(crate) fn bumpy(random: &mut Random, center: Vec3, size: f32) -> Option<Arc<TriangleMesh>> {
     let mesh = scene::meshes::icosphere(2, |_| f64::from(size * (0.8 + 0.4 * random.unit()))).ok()?;
-    let positions = mesh.positions().iter().map(|p| *p + center).collect();
+    let positions: Vec<Vec3> = mesh.positions().iter().map(|p| *p + center).collect();
     TriangleMesh::new(positions, mesh.triangles().to_vec()).ok().map(Arc::new)
 }
 

@@ -132,7 +132,7 @@ pub(super) fn of_nothing(run: &Run) -> Outcome {
         TriangleMesh::new(positions, vec![[0, 1, 2]]).ok().and_then(|m| mesh_primitive(&Arc::new(m)))
     };
     let mut nothing: Vec<AnyPrimitive> = bad.iter().filter_map(|&x| mesh(x)).collect();
-    nothing.extend(TriangleMesh::new(Vec::new(), Vec::new()).ok().and_then(|m| mesh_primitive(&Arc::new(m))));
+    nothing.extend(TriangleMesh::new([Vec3::ZERO; 0], Vec::new()).ok().and_then(|m| mesh_primitive(&Arc::new(m))));
     nothing.extend(Sphere::new(Vec3::ZERO, f32::MAX).ok().and_then(ball).map(|b| Arc::new(b) as AnyPrimitive));
     let empty = BvhAggregate::<AnyPrimitive>::build(Vec::new(), &BuildConfig::default());
     nothing.extend(empty.ok().map(|e| Arc::new(e) as AnyPrimitive));

@@ -81,7 +81,7 @@ pub(super) fn voxels(n: i32, is_filled: impl Fn([i32; 3]) -> bool) -> Result<Tri
 
 /// The mesh with every position mapped, and rounded again.
 pub(crate) fn mapped(mesh: &TriangleMesh, map: impl Fn(DVec3) -> DVec3) -> Result<TriangleMesh, MeshError> {
-    let positions = mesh.positions().iter().map(|p| map(p.as_dvec3()).as_vec3()).collect();
+    let positions: Vec<Vec3> = mesh.positions().iter().map(|p| map(p.as_dvec3()).as_vec3()).collect();
     TriangleMesh::new(positions, mesh.triangles().to_vec())
 }
 

@@ -140,7 +140,7 @@ fn triangle_mesh(
         (0..positions.len() as u32).collect()
     };
     used.shrink_to_fit();
-    let vertices = used.iter().map(|&i| Vec3::from_array(positions.vector(i as usize))).collect();
+    let vertices: Vec<Vec3> = used.iter().map(|&i| Vec3::from_array(positions.vector(i as usize))).collect();
     let mesh = TriangleMesh::new(vertices, triangles).map_err(|e| error(e.to_string()))?;
     let Some(&uvs) = primitive.attributes.get(&Checked::Valid(Semantic::TexCoords(0))) else { return Ok(mesh) };
     let uvs = Elements::new(document, uvs, Type::Vec2, &[F32, U8, U16, I8, I16])?;

@@ -147,23 +147,19 @@ impl<'p> Interpreter<'p> {
             "Identity" => self.transform(here, name, |_| Ok(Transform::IDENTITY)),
             "Translate" => {
                 let delta = tokens.expect_numbers::<3>(name)?;
-                self.concat(here, name, Transform::translate(delta.into()))
+                self.concat(here, name, Transform::translate(delta))
             }
             "Scale" => {
                 let factors = tokens.expect_numbers::<3>(name)?;
-                self.concat(here, name, Transform::scale(factors.into()))
+                self.concat(here, name, Transform::scale(factors))
             }
             "Rotate" => {
                 let [degrees, x, y, z] = tokens.expect_numbers(name)?;
-                self.concat(here, name, Transform::rotate(degrees, [x, y, z].into()))
+                self.concat(here, name, Transform::rotate(degrees, [x, y, z]))
             }
             "LookAt" => {
                 let [ex, ey, ez, lx, ly, lz, ux, uy, uz] = tokens.expect_numbers(name)?;
-                self.concat(
-                    here,
-                    name,
-                    Transform::look_at([ex, ey, ez].into(), [lx, ly, lz].into(), [ux, uy, uz].into()),
-                )
+                self.concat(here, name, Transform::look_at([ex, ey, ez], [lx, ly, lz], [ux, uy, uz]))
             }
             "ConcatTransform" => self.concat(here, name, from_columns(tokens.expect_numbers(name)?)),
             "Transform" => {

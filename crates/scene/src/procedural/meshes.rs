@@ -15,7 +15,7 @@ mod loft;
 use std::collections::HashMap;
 use std::f64::consts::{PI, TAU};
 
-use geometry::glam::{DVec2, DVec3};
+use geometry::glam::{DVec2, DVec3, Vec3};
 use geometry::{MeshError, TriangleMesh};
 
 pub use self::icosphere::icosphere;
@@ -48,7 +48,7 @@ pub fn uv_sphere(
 /// None; it is a result like those of its neighbours.
 pub fn cuboid(min: DVec3, max: DVec3) -> Result<TriangleMesh, MeshError> {
     let corner = |i: usize| [0, 1, 2].map(|a| if i >> a & 1 == 1 { max[a] } else { min[a] });
-    let positions = (0..8).map(|i| DVec3::from_array(corner(i)).as_vec3()).collect();
+    let positions: Vec<Vec3> = (0..8).map(|i| DVec3::from_array(corner(i)).as_vec3()).collect();
     let quads = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
     let triangles = quads.into_iter().flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
     TriangleMesh::new(positions, triangles)
@@ -63,7 +63,7 @@ pub fn cuboid(min: DVec3, max: DVec3) -> Result<TriangleMesh, MeshError> {
 pub fn revolution(profile: &[DVec2], segments: usize) -> Result<TriangleMesh, MeshError> {
     let segments = segments.max(3);
     let (Some(first), Some(last)) = (profile.first(), profile.last()) else {
-        return TriangleMesh::new(Vec::new(), Vec::new());
+        return TriangleMesh::new([Vec3::ZERO; 0], Vec::new());
     };
     let poles = [first, last].map(|p| DVec3::new(0.0, p.y, 0.0));
     let from = usize::from(first.x == 0.0);
@@ -89,7 +89,7 @@ pub fn revolution_ring(profile: &[DVec2], segments: usize) -> Result<TriangleMes
 /// [`MeshError::TooLarge`].
 pub fn tube(path: &[DVec3], sides: usize, radius: impl Fn(usize) -> f64) -> Result<TriangleMesh, MeshError> {
     let (Some(&first), Some(&last)) = (path.first(), path.last()) else {
-        return TriangleMesh::new(Vec::new(), Vec::new());
+        return TriangleMesh::new([Vec3::ZERO; 0], Vec::new());
     };
     let sides = sides.max(3);
     let frames = transported_frames(path);
@@ -140,7 +140,7 @@ pub fn grid(
     check_count("vertices", count)?;
     check_count("triangles", columns.checked_mul(rows).and_then(|quads| quads.checked_mul(2)))?;
     let points = (0..=rows).flat_map(|row| (0..=columns).map(move |column| (column, row)));
-    let positions = points.map(|(column, row)| point(column, row).as_vec3()).collect();
+    let positions: Vec<Vec3> = points.map(|(column, row)| point(column, row).as_vec3()).collect();
     let mut triangles = Vec::with_capacity(2 * columns * rows);
     for row in 0..rows {
         for column in 0..columns {

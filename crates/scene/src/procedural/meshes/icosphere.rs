@@ -32,7 +32,7 @@ pub fn icosphere(subdivisions: u32, mut radius: impl FnMut(DVec3) -> f64) -> Res
         }
         triangles = split;
     }
-    TriangleMesh::new(directions.iter().map(|&d| (d * radius(d)).as_vec3()).collect(), triangles)
+    TriangleMesh::new(directions.iter().map(|&d| (d * radius(d)).as_vec3()), triangles)
 }
 
 fn icosahedron_vertices() -> [DVec3; 12] {

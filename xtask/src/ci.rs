@@ -1,0 +1,110 @@
+//! `xtask ci`: the one check before a push. What it runs is what must hold for a change to land.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use anyhow::{Context, Result, ensure};
+use clap::Args;
+
+#[derive(Args)]
+pub struct Arguments {
+    /// Print the steps and run none
+    #[arg(long)]
+    list: bool,
+}
+
+/// A command, as it would be typed.
+struct Step {
+    /// Of cargo, or of this runner where they begin with `xtask`.
+    words: Vec<String>,
+    environment: Option<(&'static str, &'static str)>,
+}
+
+impl Step {
+    fn new(line: &str) -> Self {
+        Self { words: line.split(' ').map(str::to_owned).collect(), environment: None }
+    }
+
+    fn line(&self) -> String {
+        let variable = self.environment.map_or(String::new(), |(name, value)| format!("{name}=\"{value}\" "));
+        format!("{variable}cargo {}", self.words.join(" "))
+    }
+
+    fn run(&self, root: &Path) -> Result<()> {
+        let (program, words) = match self.words.split_first() {
+            Some((first, rest)) if first == "xtask" => (std::env::current_exe()?, rest),
+            _ => (std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()).into(), &self.words[..]),
+        };
+        let mut command = Command::new(program);
+        command.args(words).envs(self.environment).current_dir(root);
+        let status = command.status().with_context(|| format!("{} cannot be started", self.line()))?;
+        ensure!(status.success(), "{} ended with {status}", self.line());
+        Ok(())
+    }
+}
+
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().context("the workspace is around the runner")?;
+    let steps = steps(root)?;
+    for (i, step) in (1..).zip(&steps) {
+        println!("{i}/{}  {}", steps.len(), step.line());
+        if !arguments.list {
+            step.run(root)?;
+        }
+    }
+    Ok(())
+}
+
+fn steps(root: &Path) -> Result<Vec<Step>> {
+    let mut steps = vec![
+        Step::new("fmt --all --check"),
+        Step::new("clippy --locked --workspace --all-targets -- -D warnings"),
+        Step { environment: Some(("RUSTDOCFLAGS", "-D warnings")), ..Step::new("doc --locked --workspace --no-deps") },
+    ];
+    // Each of the library's crates by itself, as its users have it.
+    for name in ["geometry", "primitive", "bvh-build", "bvh-flat"] {
+        steps.push(Step::new(&format!("check --locked -p {name} --no-default-features")));
+    }
+    // The README's two commands. The first with few rays: that it runs is what is asked here, not how fast.
+    steps.push(Step::new("xtask sweep --rays 2048 --rounds 1 --out target/sweep/ci"));
+    steps.push(Step::new("test --locked --workspace"));
+    steps.push(Step::new("xtask museum --rays 4096 --out target/museum/ci"));
+    for name in examples(&root.join("examples"))? {
+        steps.push(Step::new(&format!("run --locked --quiet -p examples --example {name}")));
+    }
+    Ok(steps)
+}
+
+/// The names of all examples.
+fn examples(directory: &Path) -> Result<Vec<String>> {
+    let entries = std::fs::read_dir(directory).with_context(|| format!("{}: cannot be read", directory.display()))?;
+    let paths: Vec<PathBuf> = entries.map(|entry| Ok(entry?.path())).collect::<std::io::Result<_>>()?;
+    let is_example = |path: &&PathBuf| path.extension().is_some_and(|e| e == "rs") && !path.ends_with("lib.rs");
+    let mut names: Vec<String> = paths
+        .iter()
+        .filter(is_example)
+        .filter_map(|path| Some(path.file_stem()?.to_string_lossy().into_owned()))
+        .collect();
+    names.sort();
+    Ok(names)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_example_is_run() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("a workspace");
+        let lines: Vec<String> = steps(root).expect("the examples are there").iter().map(Step::line).collect();
+        let manifest = std::fs::read_to_string(root.join("examples/Cargo.toml")).expect("the manifest is there");
+        let names: Vec<&str> =
+            manifest.lines().filter_map(|l| l.strip_prefix("path = \"")?.strip_suffix(".rs\"")).collect();
+        assert!(names.len() > 6);
+        for name in names.into_iter().filter(|name| *name != "lib") {
+            assert!(lines.iter().any(|line| line.ends_with(&format!("--example {name}"))), "{name}: {lines:?}");
+            let text = std::fs::read_to_string(root.join(format!("examples/{name}.rs"))).expect("is there");
+            assert!(text.lines().count() < 60, "{name} has {} lines", text.lines().count());
+        }
+    }
+}
