@@ -6,13 +6,20 @@ use anyhow::{Context, Result};
 
 /// Writes 8-bit RGB pixels, row by row from the top, as a PNG.
 pub fn write_png(path: &Path, width: u32, height: u32, pixels: &[[u8; 3]]) -> Result<()> {
-    let file = std::fs::File::create(path).with_context(|| format!("{}: cannot be written", path.display()))?;
-    let mut encoder = png::Encoder::new(std::io::BufWriter::new(file), width, height);
+    let png = encode_png(width, height, pixels)?;
+    std::fs::write(path, png).with_context(|| format!("{}: cannot be written", path.display()))
+}
+
+/// The same as bytes.
+pub fn encode_png(width: u32, height: u32, pixels: &[[u8; 3]]) -> Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, width, height);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
     let mut writer = encoder.write_header()?;
     writer.write_image_data(pixels.as_flattened())?;
-    writer.finish().with_context(|| format!("{}: cannot be written", path.display()))
+    writer.finish()?;
+    Ok(bytes)
 }
 
 /// A linear colour as 8-bit sRGB.
