@@ -148,7 +148,7 @@ const QUICK: Effort = Effort {
     rounds: Rounds { least: 1, most: 9, budget: Duration::from_secs(10) },
     pictures: PictureSizes {
         map: [192, 120],
-        leaks: [160, 160],
+        leaks: [240, 240],
         occlusion: [48, 30],
         samples: 16,
         reference_samples: 256,
@@ -160,7 +160,7 @@ const USUAL: Effort = Effort {
     rounds: Rounds { least: 3, most: 15, budget: Duration::from_secs(75) },
     pictures: PictureSizes {
         map: [288, 180],
-        leaks: [256, 256],
+        leaks: [400, 400],
         occlusion: [96, 60],
         samples: 64,
         reference_samples: 1024,

@@ -142,6 +142,11 @@ impl Chart {
         [across, BOTTOM - (BOTTOM - TOP) * self.y.part(y)].map(|v| (10.0 * v).round() / 10.0)
     }
 
+    /// Where the x axis ends.
+    pub fn most_x(&self) -> f64 {
+        self.x.range[1]
+    }
+
     /// The axes with their numbers. To be drawn before what is on them.
     pub fn axes(mut self) -> Self {
         for tick in self.y.ticks() {

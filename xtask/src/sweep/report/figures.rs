@@ -100,6 +100,10 @@ pub fn front(sweep: &Sweep) -> Option<Figure> {
         }
         steps.push((at, speed));
     }
+    // What is slower, and no more right, lies below.
+    if let Some(&(_, speed)) = steps.last() {
+        steps.push((Ok(chart.most_x()), speed));
+    }
     chart.front(&steps);
     let error = |row: &Row| match row.error_rate() {
         rate if rate > 0.0 => number(rate),
