@@ -9,6 +9,7 @@ use bvh_flat::{BuildConfig, SplitMethod};
 use clap::ValueEnum;
 use clap::error::ErrorKind;
 use scene::{BuiltIn, Camera, CompiledScene, Scene};
+use serde::{Deserialize, Serialize};
 
 /// The seed of everything that is random: the same scene and the same rays on every machine.
 pub const SEED: u64 = 42;
@@ -58,15 +59,26 @@ impl SceneSource {
     }
 }
 
+/// As the command line names it.
+impl fmt::Display for SceneSource {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::BuiltIn(built_in) => write!(f, "builtin:{built_in}"),
+            Self::File(path) => write!(f, "{}", path.display()),
+        }
+    }
+}
+
 /// The help text of a SCENE argument.
 pub const SCENE_HELP: &str = "\
 A .ply, .obj, .gltf, .glb, .stl or .pbrt file, or one of builtin:stadium, builtin:terrain[:TRIANGLES], \
 builtin:hairball[:TRIANGLES], with TRIANGLES such as 100k or 10M";
 
-/// The split methods of the builder, as the command line names them.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+/// The split methods of the builder and its presets, as the command line and results name them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum SplitMethodName {
-    /// Surface area heuristic, 12 buckets: the best trees
+    /// Surface area heuristic, 12 buckets
     Sah,
     /// Morton codes, treelets, SAH above: the fastest builds
     Hlbvh,
@@ -74,22 +86,40 @@ pub enum SplitMethodName {
     Middle,
     /// Half of the primitives on each side
     EqualCounts,
+    /// A preset: SAH over more buckets, on all axes
+    Balanced,
+    /// A preset: SAH with spatial splits and reinsertion, the best trees
+    High,
 }
 
 impl SplitMethodName {
-    pub fn method(self) -> SplitMethod {
+    /// Its name on the command line and in tables.
+    pub fn name(self) -> &'static str {
         match self {
-            Self::Sah => SplitMethod::Sah,
-            Self::Hlbvh => SplitMethod::Hlbvh,
-            Self::Middle => SplitMethod::Middle,
-            Self::EqualCounts => SplitMethod::EqualCounts,
+            Self::Sah => "sah",
+            Self::Hlbvh => "hlbvh",
+            Self::Middle => "middle",
+            Self::EqualCounts => "equal-counts",
+            Self::Balanced => "balanced",
+            Self::High => "high",
+        }
+    }
+
+    pub fn config(self) -> BuildConfig {
+        match self {
+            Self::Sah => BuildConfig::new(SplitMethod::Sah),
+            Self::Hlbvh => BuildConfig::new(SplitMethod::Hlbvh),
+            Self::Middle => BuildConfig::new(SplitMethod::Middle),
+            Self::EqualCounts => BuildConfig::new(SplitMethod::EqualCounts),
+            Self::Balanced => BuildConfig::balanced(),
+            Self::High => BuildConfig::high_quality(),
         }
     }
 }
 
 /// Loads a scene and builds its trees.
-pub fn compile(source: &SceneSource, method: SplitMethod) -> Result<CompiledScene> {
-    Ok(CompiledScene::build(source.load()?, &BuildConfig::new(method), &())?)
+pub fn compile(source: &SceneSource, method: SplitMethodName) -> Result<CompiledScene> {
+    Ok(CompiledScene::build(source.load()?, &method.config(), &())?)
 }
 
 /// The scene's own camera, else a view from outside.

@@ -1,5 +1,6 @@
 //! The runner of the workspace: `cargo xtask`. Parses the command line, calls the command, turns its end into an exit
-//! code: 0 good, 1 a failure of what was asked, 2 a command line that makes no sense.
+//! code: 0 good, 1 a failure of what was asked, 2 a command line that makes no sense, 3 a merge that lacks results, 130
+//! interrupted.
 
 mod cache;
 mod ci;
@@ -42,8 +43,10 @@ Examples:
 
 #[derive(Subcommand)]
 enum Command {
-    /// Build a scene with every split method, trace it with four kinds of rays, and print what each costs
+    /// Build a scene in every way, trace it with four kinds of rays, and say in tables and a report what each costs
     Sweep(sweep::Arguments),
+    /// Put the results of a sweep's shards together
+    Merge(sweep::merge::Arguments),
     /// Draw a scene: its surfaces, or what rays cost in it
     Render(render::Arguments),
     /// Run the catalogue of hard cases, or compare a scene's answers with the exact ones
@@ -63,6 +66,7 @@ enum Command {
 fn main() -> ExitCode {
     let result = match Cli::parse().command {
         Command::Sweep(arguments) => sweep::run(&arguments),
+        Command::Merge(arguments) => sweep::merge::run(&arguments),
         Command::Render(arguments) => render::run(&arguments),
         Command::Verify(arguments) => verify::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
@@ -77,7 +81,7 @@ fn main() -> ExitCode {
             Ok(usage) => usage.exit(),
             Err(error) => {
                 eprintln!("error: {error:#}");
-                ExitCode::FAILURE
+                sweep::exit_code(&error).map_or(ExitCode::FAILURE, ExitCode::from)
             }
         },
     }

@@ -59,7 +59,7 @@ enum View {
 }
 
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let compiled = input::compile(&arguments.scene, arguments.split_method.method())?;
+    let compiled = input::compile(&arguments.scene, arguments.split_method)?;
     let own = input::camera(&compiled);
     let camera = match &arguments.camera {
         Some(settings) => own.with_settings(settings).map_err(input::usage_error)?,

@@ -58,7 +58,7 @@ impl<'a> Shading<'a> {
             return Vec3::new(1.0, 0.93, 0.8);
         }
         let n = at.facing_normal();
-        let sky = self.cosine_direction(n, random);
+        let sky = cosine_direction(n, random);
         let open = !self.is_blocked(&at.spawn_ray(sky), Interval::up_to(self.ambient_reach));
         let ambient = if open { self.sky(sky) } else { Vec3::splat(0.12) };
         let facing = n.dot(self.sun).max(0.0);
@@ -95,12 +95,13 @@ impl<'a> Shading<'a> {
         let transmitted = (-self.extinction * way).exp();
         seen * transmitted + Vec3::new(0.86, 0.88, 0.92) * (1.0 - transmitted)
     }
+}
 
-    fn cosine_direction(&self, n: Vec3, random: &mut Random) -> Vec3 {
-        let (z, phi) = (2.0 * random.unit() - 1.0, std::f32::consts::TAU * random.unit());
-        let r = (1.0 - z * z).max(0.0).sqrt();
-        (n + Vec3::new(r * phi.cos(), r * phi.sin(), z)).normalize_or(n)
-    }
+/// A direction around `n`, by the cosine to it.
+pub fn cosine_direction(n: Vec3, random: &mut Random) -> Vec3 {
+    let (z, phi) = (2.0 * random.unit() - 1.0, std::f32::consts::TAU * random.unit());
+    let r = (1.0 - z * z).max(0.0).sqrt();
+    (n + Vec3::new(r * phi.cos(), r * phi.sin(), z)).normalize_or(n)
 }
 
 /// How far a scene reaches; 1 where there is nothing.

@@ -49,7 +49,7 @@ const MISS: HitRecord = HitRecord { t: f32::INFINITY, instance: 0, geometry: 0, 
 
 pub fn run(arguments: &Arguments) -> Result<()> {
     let rays = read_rays(&arguments.rays)?;
-    let compiled = input::compile(&arguments.scene, arguments.split_method.method())?;
+    let compiled = input::compile(&arguments.scene, arguments.split_method)?;
     let records = trace(&compiled, &rays, arguments.any_hit)?;
     let hits = records.iter().filter(|r| r.primitive != u32::MAX).count();
     write_hits(&arguments.out, &records)?;
@@ -82,7 +82,8 @@ fn first_found(primitive: &impl Primitive, ray: &TraversalRay, interval: Interva
     first.hit()
 }
 
-fn read_rays(path: &Path) -> Result<Vec<RaySegment>> {
+/// Reads a .rays or a .npy file.
+pub fn read_rays(path: &Path) -> Result<Vec<RaySegment>> {
     match path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).as_deref() {
         Some("npy") => read_npy(path),
         Some("rays") => Ok(scene::read_rays(path)?),

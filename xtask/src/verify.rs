@@ -4,7 +4,6 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
 use anyhow::{Result, bail, ensure};
-use bvh_flat::BuildConfig;
 use bvh_flat::primitive::Primitive;
 use clap::Args;
 use hard_cases::{Case, Effort, Library, OPEN, Outcome, Run, cases};
@@ -14,7 +13,7 @@ use scene::RaySets;
 use crate::errors::{Errors, Truth, leaks, per_million, quantile};
 use crate::input::{self, SCENE_HELP, SEED, SceneSource, SplitMethodName};
 use crate::measure::timed;
-use crate::sweep::configuration::Subject;
+use crate::sweep::subject::Subject;
 use crate::table::{count, table};
 
 #[derive(Args)]
@@ -50,7 +49,7 @@ fn verify_catalogue(arguments: &Arguments) -> Result<()> {
         return Err(input::usage_error(format!("no case has an id that begins with \"{unknown}\"")));
     }
     let effort = if arguments.full { Effort::Full } else { Effort::Quick };
-    let library = Library { config: BuildConfig::new(arguments.split_method.method()) };
+    let library = Library { config: arguments.split_method.config() };
 
     let bar = ProgressBar::new(1000 * chosen.len() as u64);
     if let Ok(style) = ProgressStyle::with_template("verify {wide_bar} {percent:>3} %  {msg:<40} {eta:>5} left") {
@@ -108,14 +107,14 @@ fn row(case: &Case, time: Duration, outcome: &Outcome) -> [String; 6] {
 
 fn verify_scene(arguments: &Arguments, source: &SceneSource) -> Result<()> {
     let rays = if arguments.full { 1 << 20 } else { 1 << 14 };
-    let compiled = input::compile(source, arguments.split_method.method())?;
+    let compiled = input::compile(source, arguments.split_method)?;
     let camera = input::camera(&compiled);
     let bounds = compiled.world().world_bound();
     let sets = RaySets::generate(compiled.world(), &bounds, &camera, rays, arguments.seed)?;
-    let Some(truth) = Truth::new(&compiled, &sets, rays) else {
+    let Some(truth) = Truth::new(&compiled, &sets.named(), rays) else {
         bail!("{}: too many instances for the oracle", source.name());
     };
-    let subject = Subject::new(&compiled)?;
+    let subject = Subject::of_default(&compiled)?;
     let header =
         ["rays", "count", "missed", "false", "wrong", "t ulp p50", "p99.99", "max", "bound broken", "self-hits"];
     let mut rows = table(&header, 1);
@@ -124,7 +123,7 @@ fn verify_scene(arguments: &Arguments, source: &SceneSource) -> Result<()> {
         let e = Errors::of(&*subject.world, set);
         faults += e.bound_violations + e.mismatches;
         rows.add_row([
-            set.kind.to_owned(),
+            set.kind.clone(),
             count(e.rays),
             per_million(e.missed, e.rays),
             per_million(e.false_hits, e.rays),

@@ -124,57 +124,6 @@ fn render_draws_every_view() {
 }
 
 #[test]
-fn sweep_prints_its_tables_and_writes_its_results() {
-    let folder = directory();
-    let (code, text) = run(&["sweep", "--rays", "512", "--rounds", "2", "--judged-rays", "64"], folder.path());
-    assert_eq!(code, 0, "{text}");
-    let words = ["sah", "hlbvh", "middle", "equal-counts", "primary", "shadow", "diffuse", "random", "Mray/s"];
-    let more = [
-        "wide",
-        "binary",
-        "portable",
-        "exact",
-        "watertight",
-        "moller-trumbore",
-        "vertex leaks",
-        "price",
-        "verdict",
-        "0 (<",
-    ];
-    for word in words.into_iter().chain(more) {
-        assert!(text.contains(word), "{word} is not in: {text}");
-    }
-    let lines = std::fs::read_to_string(folder.path().join("target/sweep/latest/results.jsonl")).expect("written");
-    // Four kinds of rays and four split methods, with wide trees of each width and binary ones of five kernels.
-    let widths = bvh_flat::SimdWidth::available();
-    assert_eq!(lines.lines().count(), 16 * (widths.len() + 5));
-    let mut hashes = std::collections::BTreeMap::new();
-    for line in lines.lines() {
-        let value: serde_json::Value = serde_json::from_str(line).expect("JSON");
-        let [layout, width, triangles] = ["layout", "simd_width", "triangle_test"].map(|name| value[name].as_str());
-        match layout {
-            Some("wide") => {
-                assert!(widths.iter().any(|w| Some(w.name()) == width), "{line}");
-                assert_eq!(triangles, Some("exact"));
-            }
-            _ => assert_eq!((layout, width), (Some("binary"), Some("scalar"))),
-        }
-        if triangles == Some("exact") {
-            let first = hashes.entry(value["ray_kind"].to_string()).or_insert(value["hits_hash"].clone());
-            assert_eq!(*first, value["hits_hash"], "{line}");
-        }
-        assert!(value["closest_mrays_per_s"].as_f64().is_some_and(|x| x > 0.0));
-        assert!(value["build_ms"].as_f64().is_some_and(|x| x > 0.0));
-        assert_eq!(value["build_rounds"], 2);
-        assert_eq!(value["judged_rays"].as_u64().map(|n| n > 20), Some(true));
-        if triangles == Some("exact") || (triangles == Some("watertight") && value["box_test"] == "padded") {
-            assert_eq!(value["bound_violations"], 0);
-            assert_eq!(value["leaks"]["vertices"][0], 0);
-        }
-    }
-}
-
-#[test]
 fn museum_prints_its_table_and_writes_its_page() {
     let folder = directory();
     let (code, text) = run(&["museum", "twins,negative-zero", "--rays", "256", "--out", "m"], folder.path());
@@ -209,7 +158,8 @@ fn bad_input_is_refused_with_words() {
     std::fs::write(here.join("index.obj"), "v 0 0 0\nv 1 0 0\nf 1 2 7\n").expect("written");
     std::fs::write(here.join("flat.pbrt"), "WorldBegin\nScale 1 0 1\nShape \"sphere\"\n").expect("written");
     std::fs::write(here.join("notes.txt"), "hello").expect("written");
-    let cases: [(&[&str], i32, &str); 28] = [
+    std::fs::write(here.join("grids.toml"), "[[gird]]\n").expect("written");
+    let cases: [(&[&str], i32, &str); 35] = [
         (&["sweep", "missing.ply"], 1, "missing.ply: cannot be read"),
         (&["render", "."], 1, "is a directory"),
         (&["sweep", "cut.ply"], 1, "cut.ply"),
@@ -218,6 +168,17 @@ fn bad_input_is_refused_with_words() {
         (&["sweep", "notes.txt"], 1, "no scene format"),
         (&["sweep", "builtin:nothing"], 2, "stadium"),
         (&["sweep", "builtin:terrain:many"], 2, "terrain"),
+        (&["sweep", "square.obj", "--rays", "short.rays"], 1, "short.rays"),
+        (&["sweep", "square.obj", "--rays", "missing.rays"], 1, "missing.rays"),
+        (&["sweep", "square.obj", "--shard", "3/2"], 2, "is no shard"),
+        (&["sweep", "square.obj", "--budget", "soon"], 2, "is no time"),
+        (&["sweep", "square.obj", "--config", "missing.toml"], 1, "missing.toml: cannot be read"),
+        (
+            &["sweep", "square.obj", "--config", "grids.toml"],
+            2,
+            "grids.toml: \"gird\" is no key; did you mean \"grid\"?",
+        ),
+        (&["merge", "."], 1, "there is no plan"),
         (&["trace", "square.obj", "--rays", "short.rays", "--out", "x.npy"], 1, "short.rays"),
         (&["trace", "square.obj", "--rays", "missing.rays", "--out", "x.npy"], 1, "missing.rays"),
         (&["trace", "square.obj", "--rays", "square.obj", "--out", "x.npy"], 1, "square.obj"),

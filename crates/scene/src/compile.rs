@@ -193,6 +193,19 @@ impl<M: MeshTree> CompiledScene<M> {
         config: &BuildConfig,
         observer: &dyn BuildObserver,
     ) -> Result<Self, BuildError> {
+        Self::build_by(scene, config, observer, |mesh| M::build(mesh, config, observer))
+    }
+
+    /// As [`build`](CompiledScene::build), with `build` making the tree of each mesh, and `config` that of each object.
+    ///
+    /// # Errors
+    /// As [`build`](CompiledScene::build).
+    pub fn build_by(
+        scene: impl Into<Arc<Scene>>,
+        config: &BuildConfig,
+        observer: &dyn BuildObserver,
+        build: impl Fn(Arc<TriangleMesh>) -> Result<M, BuildError>,
+    ) -> Result<Self, BuildError> {
         let scene = scene.into();
         let mut meshes: HashMap<*const TriangleMesh, usize> = HashMap::new();
         let mut distinct = Vec::new();
@@ -201,7 +214,7 @@ impl<M: MeshTree> CompiledScene<M> {
                 && let Entry::Vacant(entry) = meshes.entry(Arc::as_ptr(mesh))
             {
                 entry.insert(distinct.len());
-                distinct.push(M::build(Arc::clone(mesh), config, observer)?);
+                distinct.push(build(Arc::clone(mesh))?);
             }
         }
         let mesh = |mesh: &Arc<TriangleMesh>| distinct[meshes[&Arc::as_ptr(mesh)]].clone();

@@ -27,3 +27,4 @@ pub use load::{LoadError, Place, load};
 pub use procedural::{BuiltIn, BuiltInError, MAX_TRIANGLES, meshes};
 pub use rays::{RayFileError, RaySegment, RaySets, read_rays, write_rays};
 pub use scene::{Geometry, Instance, Names, Object, ObjectId, Scene, SceneBuilder, SceneError, SceneShape};
+pub use spelling::did_you_mean;

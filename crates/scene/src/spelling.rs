@@ -1,7 +1,7 @@
 //! What somebody may have meant: the known names nearest to one that is not known.
 
 /// "; did you mean ...?" with the up to three of `known` that are nearest to `name`, or nothing where none is near.
-pub(crate) fn did_you_mean<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> String {
+pub fn did_you_mean<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> String {
     let length = name.chars().take(LONGEST).count();
     let mut near: Vec<(usize, &str)> = known.into_iter().map(|k| (distance(name, k), k)).collect();
     near.retain(|&(distance, _)| distance <= 1 + length / 3);

@@ -130,15 +130,17 @@ fn report(layout: WideLayout, times: &[Duration], bytes: u64, triangles: usize) 
     }
 }
 
-/// After how many uses building once, saving, and loading then is faster than building each time.
 fn break_even(name: &str, build: Duration, save: Duration, load: Duration) -> String {
-    match build.checked_sub(load).filter(|gain| !gain.is_zero()) {
+    match uses_until_a_file_pays(build.as_secs_f64(), save.as_secs_f64(), load.as_secs_f64()) {
         None => format!("{name}: a build is faster than a load; keep no file"),
-        Some(gain) => {
-            let uses = 1 + (save.as_secs_f64() / gain.as_secs_f64()).ceil().max(1.0) as u64;
-            format!("{name}: a file pays from use {uses} on")
-        }
+        Some(uses) => format!("{name}: a file pays from use {uses} on"),
     }
+}
+
+/// From which use on a tree in a file is faster than one that is built each time; `None` where it never is.
+pub fn uses_until_a_file_pays(build: f64, save: f64, load: f64) -> Option<u64> {
+    let gain = build - load;
+    (gain > 0.0).then(|| 1 + (save / gain).ceil().max(1.0) as u64)
 }
 
 #[cfg(test)]

@@ -8,12 +8,14 @@ use std::sync::Arc;
 use anyhow::{Context, Result};
 use bvh_flat::cache::{CacheError, CacheInfo, GeometryKey, TEMPORARY_PREFIX, TreeLayout, TreeOptions};
 use bvh_flat::geometry::TriangleMesh;
-use bvh_flat::{BuildConfig, FlatBvh, MeshBvh, WideLayout, WideMesh};
+use bvh_flat::{FlatBvh, MeshBvh, WideLayout, WideMesh};
 use clap::{Args, Subcommand, ValueEnum};
 use scene::{Scene, SceneShape};
 
 use crate::input::{self, SCENE_HELP, SceneSource, SplitMethodName};
 use crate::table::count;
+
+pub use bench::uses_until_a_file_pays;
 
 #[derive(Args)]
 pub struct Arguments {
@@ -133,7 +135,7 @@ fn build(arguments: &BuildArguments) -> Result<()> {
         let dir = &arguments.dir;
         std::fs::create_dir_all(dir).with_context(|| format!("{}: cannot be made", dir.display()))?;
     }
-    let config = BuildConfig::new(arguments.way.split_method.method());
+    let config = arguments.way.split_method.config();
     let options = TreeOptions::new(&config, arguments.way.layout.layout());
     for mesh in meshes {
         let key = GeometryKey::of_mesh(&mesh);

@@ -1,5 +1,6 @@
 //! How wrong answers are, by the oracle.
 
+mod summary;
 mod truth;
 
 use bvh_flat::geometry::{Hit, Interval, Shape, TraversalRay};
@@ -8,6 +9,7 @@ use hard_cases::Random;
 use oracle::{Agreement, PointAgreement, Verdict};
 use rayon::prelude::*;
 
+pub use summary::ErrorSummary;
 pub use truth::{JudgedRay, JudgedSet, LeakTest, Truth};
 
 /// What is wrong with the answers to one set of rays.
@@ -63,11 +65,6 @@ impl Errors {
         self.spawned += other.spawned;
         self.self_hits += other.self_hits;
         self
-    }
-
-    /// Missed, false and wrong together.
-    pub fn wrong_answers(&self) -> u64 {
-        self.missed + self.false_hits + self.wrong
     }
 
     fn judge(&mut self, world: &dyn Primitive, judged: &JudgedRay, random: &mut Random) {

@@ -1,281 +1,195 @@
-//! Traces, judges and times.
+//! Jobs at work, scene by scene: answers first, then rounds of times that each go through all jobs in turn, so that a
+//! drift of the machine falls on all alike. Everything is kept as soon as it is there.
 
-use std::hash::{DefaultHasher, Hasher};
-use std::sync::Arc;
-use std::time::Duration;
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::{Result, bail};
-use bvh_flat::geometry::{ClosestHit, FirstHit, Hit, TraversalRay, Work};
-use bvh_flat::primitive::{HitKind, Primitive};
-use bvh_flat::{BuildConfig, SimdWidth, SplitMethod};
-use clap::ValueEnum;
 use indicatif::{ProgressBar, ProgressStyle};
-use scene::{CompiledScene, RaySegment, RaySets};
 
-use super::Arguments;
-use super::builds::{Build, build_all, build_rounds};
-use super::configuration::{Layout, Promise, Subject, Traversal, Trees, WidthName};
-use crate::errors::{self, Errors, Truth};
-use crate::input::{self, SEED, SceneSource, SplitMethodName};
-use crate::measure::{median, timed_on_processor};
+use super::configuration::TreeName;
+use super::host::{self, Host};
+use super::jobs::Worker;
+use super::plan::{Job, Plan};
+use super::results::{Folder, JobResult, Timings};
+use super::settings::Rounds;
+use super::subject::Trees;
+use super::workshop::Workshop;
+use crate::measure::{BuildClock, Stopwatch, timed};
 
-/// What was measured on one scene.
-pub struct Sweep {
-    pub scene: String,
-    /// Triangles and spheres in memory, each once.
-    pub primitives: u64,
-    /// The same, each as often as it is instanced.
-    pub instanced_primitives: u64,
-    pub builds: Vec<Build>,
-    pub configurations: Vec<Configuration>,
+/// Whether somebody pressed Ctrl-C.
+static IS_INTERRUPTED: AtomicBool = AtomicBool::new(false);
+
+/// The first Ctrl-C ends the sweep in order; the second at once.
+pub fn watch_for_interrupts() {
+    // Where there is no handler, Ctrl-C ends the program, and what is done is kept all the same.
+    let _ = ctrlc::set_handler(|| {
+        if IS_INTERRUPTED.swap(true, Ordering::SeqCst) {
+            std::process::exit(super::INTERRUPTED);
+        }
+        eprintln!("\ninterrupted: keeping what is done (again Ctrl-C: at once)");
+    });
 }
 
-/// What was measured with one build and one way to traverse its trees.
-pub struct Configuration {
-    /// Its place in [`Sweep::builds`].
-    pub build: usize,
-    pub traversal: Traversal,
-    pub traces: Vec<Trace>,
-    /// By what was aimed at: leaks, and rays.
-    pub leaks: Vec<(&'static str, u64, u64)>,
+/// What Ctrl-C ends a sweep with.
+#[derive(Debug)]
+pub struct Interrupted;
+
+impl std::fmt::Display for Interrupted {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("interrupted")
+    }
 }
 
-/// One kind of rays, traced for the closest and for any hit.
-pub struct Trace {
-    /// "primary", "shadow", "diffuse" or "random".
-    pub kind: &'static str,
-    pub rays: usize,
-    pub hits: usize,
-    pub closest: Duration,
-    pub any: Duration,
-    pub closest_work: Work,
-    pub any_work: Work,
-    /// Over all closest answers, bit for bit.
-    pub hash: u64,
-    /// Rays for which any-hit and closest-hit do not agree.
-    pub disagreements: u64,
-    /// Beside the oracle; `None` where it was not asked.
-    pub errors: Option<Errors>,
+impl std::error::Error for Interrupted {}
+
+fn check_interrupted() -> Result<()> {
+    if IS_INTERRUPTED.load(Ordering::SeqCst) { bail!(Interrupted) } else { Ok(()) }
 }
 
-/// The durations of each round, closest and any, of one kind of rays.
-type Rounds = (Vec<Duration>, Vec<Duration>);
+/// Scenes with more primitives than these are built in one timed round: one takes seconds.
+const LARGE: u64 = 3_000_000;
 
-pub fn sweep(arguments: &Arguments, source: &SceneSource, pool: &rayon::ThreadPool) -> Result<Sweep> {
-    let methods: Vec<SplitMethod> = chosen(&arguments.split_method).into_iter().map(SplitMethodName::method).collect();
-    let (layouts, kernels) = (chosen(&arguments.layout), chosen(&arguments.kernels));
-    let widths = widths(&arguments.simd_width)?;
-    // The default comes first.
-    let ways: Vec<(Layout, SplitMethod)> =
-        layouts.iter().flat_map(|&layout| methods.iter().map(move |&method| (layout, method))).collect();
-    let traversals = |layout: &Layout| match layout {
-        Layout::Wide => widths.len(),
-        Layout::Binary => kernels.len(),
-    };
-    let configurations = (methods.len() * layouts.iter().map(traversals).sum::<usize>()) as u64;
-    let bar = progress_bar(source);
+/// Does those of `jobs` that `folder` does not have; all are complete then, unless interrupted.
+pub fn run(plan: &Plan, jobs: &[&Job], rounds: Rounds, folder: &Folder, pool: &rayon::ThreadPool) -> Result<()> {
+    let mut known = folder.results()?;
+    known.retain(|_, result| result.plan == plan.id);
+    let host = Host::this();
+    for scene in 0..plan.scenes.len() {
+        let is_open = |job: &&&Job| job.scene == scene && !known.get(&job.id).is_some_and(|result| result.is_complete);
+        let open: Vec<&Job> = jobs.iter().filter(is_open).copied().collect();
+        if !open.is_empty() {
+            let mut session = Session { plan, scene, rounds, folder, pool, host: &host, watch: Stopwatch::start() };
+            session.run(&open, &mut known)?;
+        }
+    }
+    Ok(())
+}
 
-    bar.set_message("load");
-    let scene = Arc::new(source.load()?);
-    let primitives = scene.geometries().iter().map(|g| g.shape.primitive_count()).sum();
-    let rounds = build_rounds(arguments.rounds, primitives);
-    let build_steps = ways.len() as u64 * u64::from(1 + rounds);
-    bar.set_length(2 + build_steps + configurations * (2 + u64::from(arguments.rounds)));
-    let (compiled, builds) = build_all(&scene, &ways, rounds, pool, &bar)?;
+/// The jobs of one scene.
+struct Session<'a> {
+    plan: &'a Plan,
+    scene: usize,
+    rounds: Rounds,
+    folder: &'a Folder,
+    pool: &'a rayon::ThreadPool,
+    host: &'a Host,
+    watch: Stopwatch,
+}
 
-    // Rays and exact answers are those of the default trees, whatever is measured.
-    let own = match compiled.first() {
-        Some(Trees::Wide(_)) => None,
-        _ => Some(CompiledScene::build(Arc::clone(&scene), &BuildConfig::default(), &())?),
-    };
-    let first = match (compiled.first(), &own) {
-        (Some(Trees::Wide(first)), _) | (_, Some(first)) => first,
-        _ => bail!("no layout is left to measure"),
-    };
-    bar.set_message("aim rays");
-    let camera = input::camera(first);
-    let bounds = first.world().world_bound();
-    let sets = RaySets::generate(first.world(), &bounds, &camera, arguments.rays as usize, SEED)?;
-    bar.set_message("ask the oracle");
-    let truth = match arguments.judged_rays {
-        0 => None,
-        count => pool.install(|| Truth::new(first, &sets, count as usize)),
-    };
-    bar.inc(1);
-
-    let mut subjects = Vec::new();
-    let mut measured = Vec::new();
-    for (build, compiled) in compiled.iter().enumerate() {
-        for (traversal, subject) in Subject::all(compiled, &widths, &kernels)? {
-            bar.set_message(format!("judge {}", ways[build].1.name()));
-            let world = &*subject.world;
-            let is_exact = traversal.promise() == Some(Promise::Exact);
-            let mut traces: Vec<Trace> = sets.named().map(|(kind, rays)| count(world, kind, rays, is_exact)).into();
-            bar.inc(1);
-            let mut leaks = Vec::new();
-            if let Some(truth) = &truth {
-                pool.install(|| {
-                    for (trace, set) in traces.iter_mut().zip(&truth.sets) {
-                        trace.errors = Some(Errors::of(world, set));
-                    }
-                    leaks = errors::leaks(&subject.meshes, &truth.leak_tests);
-                });
+impl Session<'_> {
+    fn run(&mut self, jobs: &[&Job], known: &mut BTreeMap<String, JobResult>) -> Result<()> {
+        let mut trees: Vec<TreeName> = Vec::new();
+        for tree in jobs.iter().filter_map(|job| job.task.tree()) {
+            if !trees.contains(&tree) {
+                trees.push(tree);
             }
-            measured.push(Configuration { build, traversal, traces, leaks });
-            subjects.push(subject);
+        }
+        let steps = jobs.len() + trees.len();
+        let bar = self.progress_bar((2 + steps + self.rounds.least as usize * steps) as u64);
+        let step = |message: &str| {
             bar.inc(1);
-        }
-    }
-    let mut times: Vec<[Rounds; 4]> = vec![Default::default(); subjects.len()];
-    for _ in 0..arguments.rounds {
-        for (subject, times) in subjects.iter().zip(&mut times) {
-            bar.set_message("trace");
-            for ((_, rays), (closest, any)) in sets.named().into_iter().zip(times) {
-                closest.push(timed_on_processor(|| trace_closest(&*subject.world, rays)).0);
-                any.push(timed_on_processor(|| trace_any(&*subject.world, rays)).0);
-            }
-            bar.inc(1);
-        }
-    }
-    bar.finish_and_clear();
-
-    for (configuration, times) in measured.iter_mut().zip(times) {
-        for (trace, (closest, any)) in configuration.traces.iter_mut().zip(times) {
-            (trace.closest, trace.any) = (median(closest), median(any));
-        }
-    }
-    Ok(Sweep {
-        scene: source.name(),
-        primitives,
-        instanced_primitives: first.world().primitive_count(),
-        builds,
-        configurations: measured,
-    })
-}
-
-/// What the command line chooses; all where it chooses nothing.
-fn chosen<T: ValueEnum + Copy>(names: &[T]) -> Vec<T> {
-    if names.is_empty() { T::value_variants().to_vec() } else { names.to_vec() }
-}
-
-/// The widths that the command line chooses; all that the processor has where it chooses none.
-fn widths(names: &[WidthName]) -> Result<Vec<SimdWidth>> {
-    if names.is_empty() {
-        return Ok(SimdWidth::available());
-    }
-    let mut widths = Vec::new();
-    for name in names {
-        let Some(width) = name.width() else { bail!("this processor does not have {name:?}") };
-        widths.push(width);
-    }
-    Ok(widths)
-}
-
-fn progress_bar(source: &SceneSource) -> ProgressBar {
-    let bar = ProgressBar::no_length();
-    if let Ok(style) = ProgressStyle::with_template("{prefix}  {wide_bar} {pos}/{len}  {msg:<20} {eta:>4} left") {
-        bar.set_style(style);
-    }
-    bar.set_prefix(source.name());
-    bar
-}
-
-/// Rays that make no sense are misses, as in a query by the user.
-fn trace_closest(world: &dyn Primitive, rays: &[RaySegment]) -> usize {
-    let hits =
-        |r: &&RaySegment| TraversalRay::new(&r.ray).is_some_and(|ray| world.intersect(&ray, r.interval).is_some());
-    rays.iter().filter(hits).count()
-}
-
-fn trace_any(world: &dyn Primitive, rays: &[RaySegment]) -> usize {
-    let blocked = |r: &&RaySegment| TraversalRay::new(&r.ray).is_some_and(|ray| world.intersect_p(&ray, r.interval));
-    rays.iter().filter(blocked).count()
-}
-
-/// Traces everything once without a clock: the answers and what they cost in steps.
-///
-/// A visitor of hits compares rounded t. So of an exact subject, which compares exact ones within a mesh, it agrees about t
-/// and may name another primitive.
-fn count(world: &dyn Primitive, kind: &'static str, rays: &[RaySegment], is_exact: bool) -> Trace {
-    let mut trace = Trace {
-        kind,
-        rays: rays.len(),
-        hits: 0,
-        closest: Duration::ZERO,
-        any: Duration::ZERO,
-        closest_work: Work::default(),
-        any_work: Work::default(),
-        hash: 0,
-        disagreements: 0,
-        errors: None,
-    };
-    let mut hasher = DefaultHasher::new();
-    for segment in rays {
-        let Some(ray) = TraversalRay::new(&segment.ray) else { continue };
-        let (mut closest, mut any) = (ClosestHit::new(segment.interval), FirstHit::default());
-        let _ = world.visit_hits(&ray, segment.interval, HitKind::Material, &mut closest);
-        let _ = world.visit_hits(&ray, segment.interval, HitKind::Material, &mut any);
-        let (hit, visited) = (world.intersect(&ray, segment.interval), closest.hit());
-        trace.closest_work += closest.work();
-        trace.any_work += any.work();
-        trace.hits += usize::from(hit.is_some());
-        let agree = (hit == visited || (is_exact && hit.map(|h| h.t) == visited.map(|h| h.t)))
-            && any.hit().is_some() == hit.is_some()
-            && world.intersect_p(&ray, segment.interval) == hit.is_some();
-        trace.disagreements += u64::from(!agree);
-        match hit {
-            Some(Hit { t, u, v, primitive }) => {
-                for x in [t, u, v] {
-                    hasher.write_u32(x.to_bits());
+            bar.set_message(message.to_owned());
+            check_interrupted()
+        };
+        let workshop = Workshop::open(self.plan, self.scene, &trees, self.pool, &step)?;
+        let load = host::load();
+        let mut results = Vec::new();
+        let mut workers = Vec::new();
+        for job in jobs {
+            step("judge")?;
+            let worker = Worker::new(&workshop, &job.task)?;
+            let mut result = match known.remove(&job.id) {
+                Some(known) => known,
+                None => {
+                    let (plan, answers) = (self.plan.id.clone(), worker.answers(&workshop)?);
+                    JobResult { plan, job: (*job).clone(), is_complete: false, answers, timings: Timings::default() }
                 }
-                hasher.write_u64(primitive);
-            }
-            None => hasher.write_u8(0),
-        }
-    }
-    trace.hash = hasher.finish();
-    trace
-}
-
-impl Sweep {
-    /// The split method of a configuration.
-    pub fn method(&self, configuration: &Configuration) -> SplitMethod {
-        self.builds[configuration.build].method
-    }
-
-    /// What must hold of all that promise something: the answers depend on the promise alone, neither on the tree, the
-    /// layout, the width nor the kind of query; no ray leaks, and no bound on an error is violated.
-    pub fn check(&self) -> Result<()> {
-        for (i, configuration) in self.configurations.iter().enumerate() {
-            let Some(promise) = configuration.traversal.promise() else { continue };
-            let describe = |c: &Configuration| {
-                let Configuration { traversal, .. } = c;
-                let [_, triangles] = traversal.tests();
-                let (layout, width) = (traversal.layout().name(), traversal.width());
-                format!("{} {layout} {width}, {triangles}", self.method(c).name())
             };
-            let (scene, what) = (&self.scene, describe(configuration));
-            let first = self.configurations[..i].iter().find(|c| c.traversal.promise() == Some(promise));
-            for (k, trace) in configuration.traces.iter().enumerate() {
-                let kind = trace.kind;
-                if let Some(first) = first
-                    && first.traces[k].hash != trace.hash
-                {
-                    bail!("{scene}: {what} and {} answer {kind} rays differently", describe(first));
-                }
-                let mismatches = trace.disagreements + trace.errors.as_ref().map_or(0, |e| e.mismatches);
-                if mismatches > 0 {
-                    bail!("{scene}: {what}: closest-hit, any-hit and all hits disagree on {mismatches} {kind} rays");
-                }
-                let violations = trace.errors.as_ref().map_or(0, |e| e.bound_violations);
-                if violations > 0 {
-                    bail!("{scene}: {what}: {violations} {kind} hits lie outside of their error bound");
+            // Times of another machine are worth nothing here.
+            if result.timings.host != *self.host {
+                result.timings = Timings { host: self.host.clone(), load, ..Timings::default() };
+            }
+            self.folder.save(&result)?;
+            results.push(result);
+            workers.push(worker);
+        }
+        for round in 0.. {
+            let (time, is_long_enough) = (self.watch.elapsed(), round >= self.rounds.least);
+            // As long as another round like those before fits.
+            let fits = time + time / (round + 2) <= self.rounds.budget;
+            if round >= self.rounds.most || (is_long_enough && !fits) {
+                break;
+            }
+            if is_long_enough {
+                bar.inc_length(steps as u64);
+            }
+            self.build_round(&workshop, &trees, &mut results, round, &step)?;
+            for (worker, result) in workers.iter().zip(&mut results) {
+                step(&format!("round {}", round + 1))?;
+                if result.timings.rounds.len() <= round as usize {
+                    result.timings.rounds.push(worker.round(&workshop)?);
+                    self.folder.save(result)?;
                 }
             }
-            if let Some((aim, leaks, rays)) = configuration.leaks.iter().find(|(_, leaks, _)| *leaks > 0) {
-                bail!("{scene}: {what}: {leaks} of {rays} rays aimed at {aim} leak out of closed meshes");
+        }
+        for mut result in results {
+            result.is_complete = true;
+            self.folder.save(&result)?;
+        }
+        bar.finish_and_clear();
+        Ok(())
+    }
+
+    /// Builds everything once, against the clock.
+    fn build_round(
+        &self,
+        workshop: &Workshop,
+        trees: &[TreeName],
+        results: &mut [JobResult],
+        round: u32,
+        step: &dyn Fn(&str) -> Result<()>,
+    ) -> Result<()> {
+        let is_large = self.plan.scenes[self.scene].primitives > LARGE;
+        for tree in trees {
+            step(&format!("build {}", tree.describe()))?;
+            let is_asked = |result: &&mut JobResult| {
+                result.job.task.tree() == Some(*tree) && result.timings.builds.len() <= round as usize
+            };
+            let mut asked: Vec<&mut JobResult> = results.iter_mut().filter(is_asked).collect();
+            if asked.is_empty() || (is_large && round > 0) {
+                continue;
+            }
+            let own;
+            let (pool, clock) = (
+                match tree.threads {
+                    None => self.pool,
+                    Some(threads) => {
+                        own = rayon::ThreadPoolBuilder::new().num_threads(threads as usize).build()?;
+                        &own
+                    }
+                },
+                BuildClock::default(),
+            );
+            let (time, built) = timed(|| pool.install(|| Trees::build(&workshop.scene, tree, &clock)));
+            drop(built?);
+            let phases: BTreeMap<String, f64> =
+                clock.phases().into_iter().map(|(name, time)| (name, time.as_secs_f64())).collect();
+            for result in &mut asked {
+                result.timings.build_threads = pool.current_num_threads() as u32;
+                result.timings.builds.push(time.as_secs_f64());
+                result.timings.phases.push(phases.clone());
             }
         }
         Ok(())
+    }
+
+    fn progress_bar(&self, length: u64) -> ProgressBar {
+        let bar = ProgressBar::new(length);
+        if let Ok(style) = ProgressStyle::with_template("{prefix}  {wide_bar} {pos}/{len}  {msg:<20} {eta:>4} left") {
+            bar.set_style(style);
+        }
+        bar.set_prefix(self.plan.scenes[self.scene].name.clone());
+        bar
     }
 }

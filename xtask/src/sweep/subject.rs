@@ -1,0 +1,148 @@
+//! A scene with its trees and a way to traverse them, ready to be asked.
+
+use std::sync::Arc;
+
+use anyhow::{Context, Result};
+use bvh_flat::geometry::{Hit, MollerTrumboreTriangles, Naive, Shape, TraversalRay, UnpaddedBoxes};
+use bvh_flat::primitive::Primitive;
+use bvh_flat::{BuildError, BuildObserver, MeshBvh, RaySegment as BatchRay, SimdWidth, WideLayout, WideMesh};
+use scene::{CompiledScene, MeshTree, RaySegment, Scene};
+
+use super::configuration::{Calls, KernelName, Layout, Traversal, TreeName};
+
+/// A scene with its trees, of either kind.
+pub enum Trees {
+    Wide(CompiledScene),
+    Binary(CompiledScene<MeshBvh>),
+}
+
+impl Trees {
+    pub fn build(scene: &Arc<Scene>, name: &TreeName, observer: &dyn BuildObserver) -> Result<Self, BuildError> {
+        let scene = Arc::clone(scene);
+        let config = name.split_method.config();
+        let config = name.max_primitives_in_leaf.map_or(config, |most| config.with_max_primitives_in_leaf(most));
+        let wide = |scene, layout| {
+            CompiledScene::build_by(scene, &config, observer, |mesh| {
+                WideMesh::build_observed(mesh, &config, layout, observer)
+            })
+        };
+        Ok(match name.layout {
+            Layout::Wide => Self::Wide(wide(scene, WideLayout::Blocks)?),
+            Layout::Compact => Self::Wide(wide(scene, WideLayout::Compact)?),
+            Layout::Binary => Self::Binary(CompiledScene::build_with(scene, &config, observer)?),
+        })
+    }
+
+    /// How long cache files with the trees over meshes are together, in bytes.
+    pub fn file_length(&self) -> u64 {
+        match self {
+            Self::Wide(compiled) => compiled.meshes().iter().map(MeshTree::file_length).sum(),
+            Self::Binary(compiled) => compiled.meshes().iter().map(MeshTree::file_length).sum(),
+        }
+    }
+
+    /// What is kept beside the scene itself, in bytes.
+    pub fn memory(&self) -> usize {
+        match self {
+            Self::Wide(compiled) => compiled.memory(),
+            Self::Binary(compiled) => compiled.memory(),
+        }
+    }
+}
+
+/// A scene with its trees and one way to traverse them.
+pub struct Subject {
+    pub world: Arc<dyn Primitive + Send + Sync>,
+    /// Each mesh by itself, in its own space.
+    pub meshes: Vec<Box<dyn Shape + Send + Sync>>,
+    /// The only mesh, to be asked many rays at once.
+    pub batch: Option<WideMesh>,
+}
+
+impl Subject {
+    /// The library's default: wide trees at the widest.
+    pub fn of_default(compiled: &CompiledScene) -> Result<Self> {
+        Self::with_meshes(compiled, SimdWidth::widest(), WideMesh::clone)
+    }
+
+    pub fn new(trees: &Trees, traversal: Traversal) -> Result<Self> {
+        match (trees, traversal) {
+            (Trees::Wide(compiled), Traversal::Wide { simd_width, calls }) => {
+                let width = simd_width.width().context("this processor does not have the SIMD width")?;
+                let mut subject = Self::with_meshes(compiled, width, |mesh| mesh.with_simd_width(width))?;
+                subject.batch = match calls {
+                    Calls::Single => None,
+                    Calls::Batch => compiled.meshes().first().map(|mesh| mesh.with_simd_width(width)),
+                };
+                Ok(subject)
+            }
+            (Trees::Binary(compiled), Traversal::Binary { kernels }) => Self::of_kernels(compiled, kernels),
+            _ => anyhow::bail!("the trees cannot be traversed in this way"),
+        }
+    }
+
+    /// The trees over objects are wide, and the boxes of objects padded, whatever the kernels in meshes.
+    fn of_kernels(compiled: &CompiledScene<MeshBvh>, kernels: KernelName) -> Result<Self> {
+        let width = SimdWidth::widest();
+        match kernels {
+            KernelName::Exact => Self::with_meshes(compiled, width, MeshBvh::exact),
+            KernelName::Watertight => Self::with_meshes(compiled, width, MeshBvh::clone),
+            KernelName::UnpaddedBoxes => Self::with_meshes(compiled, width, MeshBvh::with_kernels::<UnpaddedBoxes>),
+            KernelName::MollerTrumbore => {
+                Self::with_meshes(compiled, width, MeshBvh::with_kernels::<MollerTrumboreTriangles>)
+            }
+            KernelName::Naive => Self::with_meshes(compiled, width, MeshBvh::with_kernels::<Naive>),
+        }
+    }
+
+    fn with_meshes<M: MeshTree, N: MeshTree + Send + Sync + 'static>(
+        compiled: &CompiledScene<M>,
+        width: SimdWidth,
+        shape: impl Fn(&M) -> N,
+    ) -> Result<Self> {
+        let compiled = compiled.with_meshes(width, shape)?;
+        let boxed = |mesh: &N| Box::new(mesh.clone()) as Box<dyn Shape + Send + Sync>;
+        let meshes = compiled.meshes().iter().map(boxed).collect();
+        Ok(Self { world: compiled.shared_world(), meshes, batch: None })
+    }
+
+    /// The closest hits, as the calls are to be. Rays that make no sense are misses, as in a query by the user.
+    pub fn closest(&self, rays: &[RaySegment], many: &[BatchRay], hits: &mut Vec<Option<Hit>>) {
+        hits.clear();
+        match &self.batch {
+            Some(mesh) => {
+                hits.resize(many.len(), None);
+                mesh.intersect_many(many, hits);
+            }
+            None => hits.extend(
+                rays.iter().map(|r| TraversalRay::new(&r.ray).and_then(|ray| self.world.intersect(&ray, r.interval))),
+            ),
+        }
+    }
+
+    /// Whether each ray hits anything, likewise.
+    pub fn any(&self, rays: &[RaySegment], many: &[BatchRay], hits: &mut Vec<bool>) {
+        hits.clear();
+        match &self.batch {
+            Some(mesh) => {
+                hits.resize(many.len(), false);
+                mesh.intersect_p_many(many, hits);
+            }
+            None => hits.extend(
+                rays.iter()
+                    .map(|r| TraversalRay::new(&r.ray).is_some_and(|ray| self.world.intersect_p(&ray, r.interval))),
+            ),
+        }
+    }
+}
+
+/// Rays as batches take them.
+pub fn batch_rays(rays: &[RaySegment]) -> Vec<BatchRay> {
+    let batch = |RaySegment { ray, interval }: &RaySegment| BatchRay {
+        origin: ray.origin.to_array(),
+        t_min: interval.t_min(),
+        direction: ray.direction.to_array(),
+        t_max: interval.t_max(),
+    };
+    rays.iter().map(batch).collect()
+}
