@@ -46,7 +46,7 @@ const SMALL: [&str; 12] = [
     "sweep",
     "builtin:terrain:2k",
     "--split-method",
-    "sah,hlbvh",
+    "sah,high",
     "--rays",
     "256",
     "--judged-rays",
