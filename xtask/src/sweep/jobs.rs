@@ -36,7 +36,7 @@ impl<'a> Worker<'a> {
             Task::Picture { tree } => {
                 let Trees::Wide(compiled) = &workshop.find(&tree)?.trees else { bail!("pictures are of wide trees") };
                 let sizes = workshop.plan.pictures.context("no pictures are planned")?;
-                Self::Picture { occlusion: Occlusion::new(compiled, sizes)? }
+                Self::Picture { occlusion: Occlusion::new(compiled, workshop.default_trees()?, sizes)? }
             }
             Task::Leaks => Self::Leaks,
             Task::Cache { tree } => {

@@ -25,14 +25,16 @@ pub struct Occlusion<'a> {
 }
 
 impl<'a> Occlusion<'a> {
-    pub fn new(compiled: &'a CompiledScene, sizes: PictureSizes) -> Result<Self> {
-        let camera = input::camera(compiled);
+    /// `seen` says where the camera is and how large the scene: trees of different builders may have different bounds, in
+    /// the last digits.
+    pub fn new(compiled: &'a CompiledScene, seen: &CompiledScene, sizes: PictureSizes) -> Result<Self> {
+        let camera = input::camera(seen);
         Ok(Self {
             compiled,
             sizes,
             map: camera.view(sizes.map[0], sizes.map[1])?,
             view: camera.view(sizes.occlusion[0], sizes.occlusion[1])?,
-            reach: 0.15 * diagonal(&compiled.world().world_bound()),
+            reach: 0.15 * diagonal(&seen.world().world_bound()),
         })
     }
 

@@ -4,19 +4,18 @@ use std::sync::Arc;
 use std::sync::OnceLock;
 
 use anyhow::{Context, Result};
-use bvh_flat::BuildConfig;
 use bvh_flat::RaySegment as BatchRay;
 use bvh_flat::bvh_build::TreeStatistics;
 use bvh_flat::primitive::Primitive;
 use scene::{CompiledScene, RaySegment, RaySets, Scene};
 
-use super::configuration::TreeName;
+use super::configuration::{Layout, TreeName};
 use super::occlusion::Occlusion;
 use super::plan::Plan;
 use super::results::TreeFigures;
 use super::subject::{Trees, batch_rays};
 use crate::errors::Truth;
-use crate::input::{self, SEED, SceneSource};
+use crate::input::{self, SEED, SceneSource, SplitMethodName};
 use crate::measure::BuildClock;
 use crate::trace::read_rays;
 
@@ -74,8 +73,8 @@ impl<'a> Workshop<'a> {
             truth: OnceLock::new(),
             reference: OnceLock::new(),
         };
-        if workshop.default_trees().is_none() {
-            let build = || CompiledScene::build(Arc::clone(&workshop.scene), &BuildConfig::default(), &());
+        if workshop.default_among_trees().is_none() {
+            let build = || CompiledScene::build(Arc::clone(&workshop.scene), &SplitMethodName::Sah.config(), &());
             workshop.own = Some(pool.install(build)?);
         }
         progress("aim rays")?;
@@ -84,7 +83,7 @@ impl<'a> Workshop<'a> {
     }
 
     fn aim(&self) -> Result<Vec<RaySet>> {
-        let compiled = self.default_trees().context("no trees")?;
+        let compiled = self.default_trees()?;
         let (camera, bounds) = (input::camera(compiled), compiled.world().world_bound());
         let count = if self.plan.ray_sets.is_empty() { 0 } else { self.plan.rays as usize };
         let generated = RaySets::generate(compiled.world(), &bounds, &camera, count, SEED)?;
@@ -101,12 +100,15 @@ impl<'a> Workshop<'a> {
     }
 
     /// The trees that rays and exact answers are made with: the library's default, whatever is measured.
-    pub fn default_trees(&self) -> Option<&CompiledScene> {
-        self.own.as_ref().or_else(|| {
-            self.trees.iter().find_map(|built| match &built.trees {
-                Trees::Wide(compiled) => Some(compiled),
-                Trees::Binary(_) => None,
-            })
+    pub fn default_trees(&self) -> Result<&CompiledScene> {
+        self.own.as_ref().or_else(|| self.default_among_trees()).context("no trees of the default")
+    }
+
+    fn default_among_trees(&self) -> Option<&CompiledScene> {
+        let is_default = |name: &TreeName| (name.split_method, name.layout) == (SplitMethodName::Sah, Layout::Wide);
+        self.trees.iter().find_map(|built| match &built.trees {
+            Trees::Wide(compiled) if is_default(&built.name) => Some(compiled),
+            _ => None,
         })
     }
 
@@ -122,7 +124,7 @@ impl<'a> Workshop<'a> {
             count => {
                 let sets: Vec<(&str, &[RaySegment])> =
                     self.sets.iter().map(|s| (s.name.as_str(), &s.rays[..])).collect();
-                self.pool.install(|| Truth::new(self.default_trees()?, &sets, count as usize))
+                self.pool.install(|| Truth::new(self.default_trees().ok()?, &sets, count as usize))
             }
         };
         self.truth.get_or_init(truth).as_ref()
