@@ -55,12 +55,12 @@ struct Tree {
 impl Tree {
     fn trace(&self, ray: &Ray, is_any: bool) -> Hit {
         let (origin, direction) = (Point3::from(ray.origin), Vector3::from(ray.direction));
-        let bvh_ray = bvh::ray::Ray::new(origin, direction);
+        let (bvh_ray, length) = (bvh::ray::Ray::new(origin, direction), direction.norm());
         let mut closest = Hit { t: ray.t_max, primitive: u32::MAX };
         for triangle in self.tree.nearest_traverse_iterator(&bvh_ray, &self.triangles) {
-            // Leaves come by the distance of their boxes.
+            // Leaves come in the order of their boxes, whose distances are in units of length.
             let slice = bvh_ray.intersection_slice_for_aabb(&triangle.aabb());
-            if slice.is_some_and(|(entry, _)| entry > closest.t) {
+            if slice.is_some_and(|(entry, _)| entry > closest.t * length) {
                 break;
             }
             if let Some(t) = moller_trumbore(origin, direction, &triangle.vertices)
