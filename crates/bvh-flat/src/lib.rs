@@ -19,7 +19,9 @@ mod flatten;
 mod mapped;
 mod mesh_bvh;
 mod node;
+mod parallel;
 mod ray_segment;
+mod refit;
 mod simd;
 mod stack;
 mod traverse;
@@ -39,6 +41,7 @@ pub use mesh_bvh::MeshBvh;
 pub use node::LinearBvhNode;
 pub use primitive;
 pub use ray_segment::RaySegment;
+pub use refit::RefitError;
 pub use simd::SimdWidth;
 pub use validate::InvalidBvh;
 #[cfg(feature = "cache")]

@@ -198,7 +198,7 @@ mod tests {
     use geometry::{Hit, Shape, TriangleMesh};
 
     use super::*;
-    use crate::wide::{AnyQuery, Blocks, ClosestQuery, Compact, TriangleWriter, collapse};
+    use crate::wide::{AnyQuery, Blocks, ClosestQuery, Compact, CompactNode, FullNode, TriangleWriter, collapse};
     use crate::{BuildConfig, FlatBvh, SimdWidth, WideMesh};
 
     /// Numbers in [−1, 1): the crate has no random numbers.
@@ -226,10 +226,9 @@ mod tests {
         let mesh = Arc::new(mesh.expect("in range"));
         let bounds: Vec<_> = (0..mesh.len()).map(|i| mesh.triangle_bounds(i)).collect();
         let bvh = FlatBvh::build(&bounds, &BuildConfig::default(), &()).expect("the default is valid");
-        let order = bvh.order();
-        let blocks = collapse::<<Blocks as Layout>::Node>(&bvh, &TriangleWriter { mesh: &mesh, order, layout: Blocks });
-        let compact =
-            collapse::<<Compact as Layout>::Node>(&bvh, &TriangleWriter { mesh: &mesh, order, layout: Compact });
+        let (nodes, order) = (bvh.nodes(), bvh.order());
+        let blocks = collapse::<FullNode>(nodes, false, &TriangleWriter::<Blocks>::new(&mesh, order, false));
+        let compact = collapse::<CompactNode>(nodes, false, &TriangleWriter::<Compact>::new(&mesh, order, false));
         let triangles = |tree: Option<_>| Triangles { mesh: Arc::clone(&mesh), tree: tree.expect("small") };
         let (blocks, compact) = (triangles(blocks), triangles(compact));
         let wide = WideMesh::build(Arc::clone(&mesh), &BuildConfig::default()).expect("the default is valid");

@@ -6,6 +6,7 @@ mod box_ray;
 mod collapse;
 mod node;
 mod queries;
+mod refit;
 mod traverse;
 mod triangle_ray;
 mod triangles;
@@ -14,17 +15,16 @@ mod validate;
 
 #[cfg(feature = "cache")]
 pub(crate) use arena::Arena;
-#[cfg(feature = "build")]
-pub(crate) use arena::MAX_LINES;
-pub(crate) use arena::{Child, Line};
+pub(crate) use arena::{Child, Line, MAX_LINES};
 pub(crate) use batch::{LARGE, Many};
-pub(crate) use collapse::{LeafWriter, WideTree, collapse};
-pub(crate) use node::FullNode;
+pub(crate) use collapse::{BinaryTree, LeafWriter, WideTree, collapse, with_small_leaves};
 #[cfg(feature = "build")]
 pub(crate) use node::WideNode;
+pub(crate) use node::{CompactNode, FullNode};
 pub(crate) use queries::{All, Answered, AnyQuery, ClosestQuery, One};
+pub(crate) use refit::refit;
 pub(crate) use traverse::{Query, traverse};
-pub(crate) use triangles::{Blocks, Compact, Layout, TriangleWriter, Triangles};
+pub(crate) use triangles::{Blocks, Compact, TriangleWriter, Triangles, leaf_cost};
 #[cfg(feature = "build")]
 pub(crate) use triangles::{LEAF_COST, TRIANGLE_COST};
 #[cfg(feature = "cache")]
