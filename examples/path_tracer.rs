@@ -34,7 +34,7 @@ fn radiance(world: &impl Primitive, mut ray: Ray, random: &mut Random) -> Vec3 {
 fn main() -> Result<(), Box<dyn Error>> {
     let out = std::env::args_os().nth(1).map_or_else(|| std::env::temp_dir().join("path_tracer.png"), PathBuf::from);
     let mesh = scene::meshes::torus_knot([2, 3], [1.0, 0.4], 0.25, 400, 48)?;
-    let (file, config) = (out.with_extension("bvh"), BuildConfig::high_quality());
+    let (file, config) = (out.with_extension("bvh"), BuildConfig::high());
     let cached = WideMesh::load_or_build(&file, mesh, &config, WideLayout::Blocks)?;
     println!("the tree was {}", if cached.origin.is_loaded() { "loaded" } else { "built" });
     let surface = Surface::of_material(MaterialId::from_index(0).ok_or("too many materials")?);

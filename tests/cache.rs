@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use bvh_flat::cache::{CacheInfo, GeometryKey, TreeLayout, TreeOptions, verify};
+use bvh_flat::cache::{CacheError, CacheInfo, GeometryKey, TreeLayout, TreeOptions, verify};
 use bvh_flat::geometry::{Interval, Shape, TraversalRay, TriangleMesh};
 use bvh_flat::{BuildConfig, FlatBvh, MeshBvh, WideLayout, WideMesh};
 
@@ -53,12 +53,23 @@ fn golden_files_load_and_are_what_is_written_today() {
 }
 
 #[test]
+fn trees_of_an_older_builder_are_told_from_those_of_today() {
+    for (layout, name) in WideLayout::ALL.map(|layout| (TreeLayout::Wide(layout), layout.name())) {
+        let path = golden(&format!("v1-builder-1-{name}.bvh"));
+        let options = TreeOptions::new(&BuildConfig::default(), layout);
+        let refused = WideMesh::load(&path, mesh(), Some(&options));
+        assert!(matches!(refused, Err(CacheError::StaleOptions { .. })), "{refused:?}");
+        answers_exactly(&WideMesh::load(&path, mesh(), None).expect("a good file"), &mesh());
+    }
+}
+
+#[test]
 fn a_file_says_what_is_in_it() {
     let path = golden("v1-blocks.bvh");
     let info = CacheInfo::read(&path).expect("a good file");
     assert_eq!(info.options().layout(), TreeLayout::Wide(WideLayout::Blocks));
     assert_eq!((info.primitive_count(), info.reference_count()), (129, 129));
-    assert!(info.options().description().starts_with("builder 1: sah, leaves of at most 1,"));
+    assert!(info.options().description().starts_with("builder 2: sah, leaves of at most 4,"));
     assert_eq!(info.geometry(), GeometryKey::of_mesh(&mesh()));
     assert_eq!(info.file_length(), std::fs::metadata(&path).expect("there").len());
     assert_eq!(info.bounds(), mesh().object_bound());

@@ -9,6 +9,7 @@ mod exact;
 mod instancing;
 mod media;
 mod real_scenes;
+mod refit;
 mod shared;
 mod spatial_splits;
 mod support;

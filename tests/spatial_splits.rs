@@ -30,8 +30,8 @@ fn all(shape: &dyn Shape, ray: &TraversalRay, interval: Interval) -> Vec<Bits> {
 /// The preset; and planes wherever they gain anything, with and without what comes after.
 fn configs() -> [BuildConfig; 3] {
     let eager = SpatialSplits::new(0.0, 1.0).with_least_references(2);
-    let config = BuildConfig::high_quality().with_spatial_splits(Some(eager));
-    [BuildConfig::high_quality(), config, config.with_reinsertion(None)]
+    let config = BuildConfig::highest().with_spatial_splits(Some(eager));
+    [BuildConfig::highest(), config, config.with_reinsertion(None)]
 }
 
 /// Closest hits, any hits, all hits and batches of every layout and width are those of a tree whose space is not split; how
@@ -77,7 +77,7 @@ fn check(name: &str, mesh: &Arc<TriangleMesh>, count: usize, seed: u64) -> usize
 fn split_tree(mesh: &TriangleMesh, config: &BuildConfig) -> FlatBvh {
     let bounds: Vec<Bounds3> = (0..mesh.len()).map(|i| mesh.triangle_bounds(i)).collect();
     let clipped = |i: u32, to: &Bounds3| clipped_triangle_bounds(&mesh.vertices(i as usize), to);
-    FlatBvh::from_tree(build_split(&bounds, &clipped, config, &()).expect("valid"))
+    FlatBvh::from_tree(build_split(bounds.len(), |i| bounds[i as usize], &clipped, config, &()).expect("valid"))
 }
 
 fn extra_references(mesh: &TriangleMesh, config: &BuildConfig) -> usize {

@@ -112,7 +112,7 @@ impl SplitMethodName {
             Self::Middle => BuildConfig::new(SplitMethod::Middle),
             Self::EqualCounts => BuildConfig::new(SplitMethod::EqualCounts),
             Self::Balanced => BuildConfig::balanced(),
-            Self::High => BuildConfig::high_quality(),
+            Self::High => BuildConfig::high(),
         }
     }
 }

@@ -8,7 +8,7 @@ use bvh_flat::{BuildConfig, WideMesh};
 use crate::tracer::{Hit, Peer, Ray, Tracer};
 
 pub fn configurations() -> [(&'static str, BuildConfig); 2] {
-    [("balanced", BuildConfig::balanced()), ("high quality", BuildConfig::high_quality())]
+    [("balanced", BuildConfig::balanced()), ("high", BuildConfig::high())]
 }
 
 pub fn build(mesh: Arc<TriangleMesh>, config: &BuildConfig) -> Option<Box<dyn Peer>> {

@@ -28,14 +28,17 @@ pub const VARIANTS: &[(&str, Build)] = &[
         let bvh = binary(mesh, BuildConfig::default());
         one_by_one(bvh.memory(), bvh)
     }),
+    ("ours fastest", |mesh| wide(mesh, BuildConfig::fastest(), SimdWidth::widest())),
+    ("ours fast", |mesh| wide(mesh, BuildConfig::fast(), SimdWidth::widest())),
     ("ours watertight", |mesh| wide(mesh, BuildConfig::balanced(), SimdWidth::widest())),
-    ("ours high", |mesh| wide(mesh, BuildConfig::high_quality(), SimdWidth::widest())),
+    ("ours high", |mesh| wide(mesh, BuildConfig::high(), SimdWidth::widest())),
+    ("ours highest", |mesh| wide(mesh, BuildConfig::highest(), SimdWidth::widest())),
     ("ours batch", |mesh| {
-        let wide = WideMesh::build(Arc::clone(mesh), &BuildConfig::high_quality()).expect("the preset is valid");
+        let wide = WideMesh::build(Arc::clone(mesh), &BuildConfig::high()).expect("the preset is valid");
         Box::new(Batch(wide))
     }),
     ("ours compact", |mesh| {
-        let wide = WideMesh::build_observed(Arc::clone(mesh), &BuildConfig::high_quality(), WideLayout::Compact, &());
+        let wide = WideMesh::build_observed(Arc::clone(mesh), &BuildConfig::high(), WideLayout::Compact, &());
         let wide = wide.expect("the preset is valid");
         one_by_one(wide.memory(), wide)
     }),

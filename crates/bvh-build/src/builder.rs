@@ -9,7 +9,7 @@ use crate::recursive::{Group, Rules};
 use crate::subtree::Subtree;
 use crate::{
     BuildConfig, BuildError, BuildObserver, ClippedBounds, Node, Phase, SpatialSplits, SplitMethod, Tree,
-    TreeStatistics, hlbvh, merge, reinsertion, spatial,
+    TreeStatistics, binned, hlbvh, merge, reinsertion, spatial,
 };
 
 /// The tree over `bounds`; see [`build_observed`].
@@ -33,35 +33,38 @@ pub fn build_observed(
     config: &BuildConfig,
     observer: &dyn BuildObserver,
 ) -> Result<Tree, BuildError> {
-    build_clipped(bounds, None, config, observer)
+    build_clipped(bounds.len(), |i| bounds[i as usize], None, config, observer)
 }
 
-/// As [`build_observed`], of primitives that can be asked for the bounds of their parts: so space can be split, where the
-/// configuration [says so](BuildConfig::spatial_splits).
+/// As [`build_observed`], of `count` primitives that are asked for their bounds, and can be asked for those of their parts: so
+/// space can be split, where the configuration [says so](BuildConfig::spatial_splits).
 ///
 /// # Errors
 /// As [`build_observed`].
 pub fn build_split(
-    bounds: &[Bounds3],
+    count: usize,
+    bounds: impl Fn(u32) -> Bounds3 + Sync,
     clipped: &ClippedBounds,
     config: &BuildConfig,
     observer: &dyn BuildObserver,
 ) -> Result<Tree, BuildError> {
-    build_clipped(bounds, Some(clipped), config, observer)
+    build_clipped(count, bounds, Some(clipped), config, observer)
 }
 
 fn build_clipped(
-    bounds: &[Bounds3],
+    count: usize,
+    bounds: impl Fn(u32) -> Bounds3 + Sync,
     clipped: Option<&ClippedBounds>,
     config: &BuildConfig,
     observer: &dyn BuildObserver,
 ) -> Result<Tree, BuildError> {
     config.validate()?;
-    let mut prims = observed(observer, Phase::Bounds, || PrimInfo::active(bounds));
+    check_count(count)?;
+    let mut prims = observed(observer, Phase::Bounds, || PrimInfo::active(count, bounds));
     let active = prims.len();
     let splits = config.spatial_splits.filter(|_| config.split_method == SplitMethod::Sah).zip(clipped);
     let room = splits.map_or(0, |(splits, _)| splits.room(active));
-    check_count(bounds.len().saturating_add(room))?;
+    check_count(count.saturating_add(room))?;
     // With reinsertion: which primitives a leaf should have is known better from below.
     let max_in_leaf = if config.reinsertion.is_some() { 1 } else { config.max_primitives_in_leaf };
     let growth = config.with_max_primitives_in_leaf(max_in_leaf);
@@ -80,7 +83,7 @@ fn build_clipped(
             reinsertion::optimize(nodes, order, reinsertion, observer)
         });
     }
-    Ok(finish(nodes, order, [active, bounds.len()], config, observer))
+    Ok(finish(nodes, order, [active, count], config, observer))
 }
 
 impl Tree {
@@ -106,17 +109,21 @@ impl Tree {
 }
 
 /// The nodes and the order of the tree over `prims`.
-fn grow(prims: &mut Vec<PrimInfo>, config: &BuildConfig, observer: &dyn BuildObserver) -> (Vec<Node>, Vec<u32>) {
+fn grow(prims: &mut [PrimInfo], config: &BuildConfig, observer: &dyn BuildObserver) -> (Vec<Node>, Vec<u32>) {
     let root = match config.split_method {
         _ if prims.is_empty() => Subtree::default(),
-        SplitMethod::Hlbvh => hlbvh::build(prims, config, observer),
+        SplitMethod::Hlbvh => return hlbvh::build(prims, config, observer),
+        SplitMethod::Sah if binned::is_for(config) => {
+            let (root, order) = observed(observer, Phase::Recursion, || binned::grow(prims, config, MAX_DEPTH));
+            return observed(observer, Phase::Assembly, || root.assemble(order.len(), |place| order[place]));
+        }
         SplitMethod::Sah | SplitMethod::Middle | SplitMethod::EqualCounts => {
             observed(observer, Phase::Recursion, || {
                 Subtree::grow(Group::new(prims, 0, &Rules::new(config, MAX_DEPTH)), 1)
             })
         }
     };
-    observed(observer, Phase::Assembly, || root.assemble(prims))
+    observed(observer, Phase::Assembly, || root.assemble(prims.len(), |place| prims[place].index()))
 }
 
 /// As [`grow`], where space may be split: the first `count` of `room` are references to all of the primitives.
@@ -133,7 +140,7 @@ fn grow_split(
         let setting = spatial::Setting::new(config, MAX_DEPTH, splits, clipped, &extent);
         Subtree::grow(spatial::Group::new(room, count, extent, &setting), 1)
     });
-    observed(observer, Phase::Assembly, || root.assemble(room))
+    observed(observer, Phase::Assembly, || root.assemble(room.len(), |place| room[place].index()))
 }
 
 /// The tree of `nodes` with its statistics, as the observer is told; `counts` are those of active primitives and of all.

@@ -36,7 +36,7 @@
 //!   parallel and without any search; the tree above the treelets is built by the surface area heuristic.
 //!
 //! Beyond the chapter, [`Reinsertion`] takes subtrees of a finished tree out and puts them back where they cost less
-//! (Meister and Bittner 2018): as a step of the build, of which [`BuildConfig::high_quality`] is an example, or for as
+//! (Meister and Bittner 2018): as a step of the build, of which [`BuildConfig::highest`] is an example, or for as
 //! long as an observer lets it ([`Tree::optimized`]). And with [`SpatialSplits`] a node may be divided by a plane that cuts
 //! primitives, which are then in several leaves (Stich, Friedrich and Dietrich 2009; [`build_split`]).
 //!
@@ -63,6 +63,7 @@
 //! Invariants of this crate: it sees bounds and returns a tree over their indices. It knows no primitive and no file,
 //! prints nothing, reads no clock (a [`BuildObserver`] may), and never panics on input.
 
+mod binned;
 mod builder;
 mod config;
 mod depth;
@@ -83,7 +84,7 @@ mod tree;
 
 /// The version of the builder: another one makes other trees of the same bounds and the same configuration. To be raised with
 /// every change that does, so that trees which are kept in files are told from new ones.
-pub const BUILDER_VERSION: u32 = 1;
+pub const BUILDER_VERSION: u32 = 2;
 
 pub use builder::{build, build_observed, build_split};
 pub use config::{BuildConfig, MortonBits, SplitAxes, SplitMethod};

@@ -3,8 +3,8 @@
 use geometry::Axis;
 use geometry::glam::Vec3A;
 
-use crate::MortonBits;
 use crate::prim_info::{Bounds3A, Extent, PrimInfo};
+use crate::{MortonBits, parallel};
 
 /// A grid of cubic cells over the bounds of all centroids, 2^b of them along the longest axis.
 ///
@@ -59,7 +59,8 @@ pub(crate) fn axis_of_bit(bit: u32) -> Axis {
 fn is_finer_than_30_bits(prims: &[PrimInfo], extent: &Extent) -> bool {
     // The centroids' bounds are doubled.
     let cell = 0.5 * extent.centroids2.diagonal().max_element() / 1024.0;
-    let finer = prims.iter().filter(|p| p.bounds().diagonal().max_element() < cell).count();
+    let is_finer = |p: &&PrimInfo| p.bounds().diagonal().max_element() < cell;
+    let finer = parallel::fold(prims, &|part: &[PrimInfo]| part.iter().filter(is_finer).count(), &|a, b| a + b);
     2 * finer > prims.len()
 }
 

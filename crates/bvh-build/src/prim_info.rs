@@ -1,38 +1,59 @@
 //! What the builders know of a primitive, and of many.
 
-use geometry::glam::{Vec3, Vec3A};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use geometry::glam::{Vec3A, Vec4};
 use geometry::{Axis, Bounds3};
 
-use crate::parallel::join;
+use crate::parallel;
 
 /// One active primitive: its bounds and its index. Builders reorder these in place.
+///
+/// What is behind a corner takes part in all arithmetic, since it is in the same register. Small whole numbers would be
+/// denormal there, which takes a multiplication ten times as long; with [`BIAS`] added they are the numbers from 1 on.
 #[derive(Clone, Copy, Debug)]
-#[repr(C, align(16))]
 pub(crate) struct PrimInfo {
-    min: Vec3,
-    pub(crate) index: u32,
-    max: Vec3,
-    unused: u32,
+    /// The lower corner, and the index.
+    min: Vec4,
+    /// The upper corner, and nothing.
+    max: Vec4,
 }
+
+const BIAS: u32 = 1.0_f32.to_bits();
 
 impl PrimInfo {
     /// What only takes up a place.
-    pub(crate) const ZERO: Self = Self { min: Vec3::ZERO, index: 0, max: Vec3::ZERO, unused: 0 };
+    pub(crate) const ZERO: Self = Self { min: Vec4::W, max: Vec4::W };
 
     /// `index` with its `bounds`. A zero loses its sign, so that the union of bounds, minimum by minimum, is the same
     /// bits in any order.
     pub(crate) fn new(bounds: &Bounds3, index: u32) -> Self {
-        Self { min: bounds.min + 0.0, index, max: bounds.max + 0.0, unused: 0 }
+        let index = f32::from_bits(index.wrapping_add(BIAS));
+        Self { min: (bounds.min + 0.0).extend(index), max: (bounds.max + 0.0).extend(1.0) }
     }
 
-    /// The active ones among `bounds`, in order.
-    pub(crate) fn active(bounds: &[Bounds3]) -> Vec<Self> {
-        let mut active = Vec::with_capacity(bounds.len());
-        active.extend(
-            // Indices fit: there are at most MAX_PRIMITIVES.
-            (0_u32..).zip(bounds).filter(|(_, b)| b.is_valid()).map(|(index, b)| Self::new(b, index)),
-        );
+    /// The active ones among `count` primitives with these `bounds`, in order.
+    pub(crate) fn active(count: usize, bounds: impl Fn(u32) -> Bounds3 + Sync) -> Vec<Self> {
+        let inactive = AtomicBool::new(false);
+        // Indices fit: there are at most MAX_PRIMITIVES.
+        let mut active = parallel::collect(count, |i| {
+            let bounds = bounds(i as u32);
+            if bounds.is_valid() {
+                return Self::new(&bounds, i as u32);
+            }
+            inactive.store(true, Ordering::Relaxed);
+            Self::new(&Bounds3::default(), u32::MAX)
+        });
+        if inactive.into_inner() {
+            active.retain(|p| p.index() != u32::MAX);
+        }
         active
+    }
+
+    /// Its index.
+    #[inline]
+    pub(crate) fn index(&self) -> u32 {
+        self.min.w.to_bits().wrapping_sub(BIAS)
     }
 
     /// Twice the centroid along one axis.
@@ -40,13 +61,17 @@ impl PrimInfo {
         self.min[axis.index()] + self.max[axis.index()]
     }
 
-    /// Its bounds. The numbers behind either corner fill the register, so that it is loaded at once.
+    /// Twice the centroid.
+    #[inline]
+    pub(crate) fn centroid2(&self) -> Vec3A {
+        let bounds = self.bounds();
+        bounds.min + bounds.max
+    }
+
+    /// Its bounds.
     #[inline]
     pub(crate) fn bounds(&self) -> Bounds3A {
-        Bounds3A {
-            min: Vec3A::from_vec4(self.min.extend(f32::from_bits(self.index))),
-            max: Vec3A::from_vec4(self.max.extend(f32::from_bits(self.unused))),
-        }
+        Bounds3A { min: Vec3A::from_vec4(self.min), max: Vec3A::from_vec4(self.max) }
     }
 }
 
@@ -73,7 +98,7 @@ impl Bounds3A {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
-    fn union_point(&self, p: Vec3A) -> Self {
+    pub(crate) fn union_point(&self, p: Vec3A) -> Self {
         Self { min: self.min.min(p), max: self.max.max(p) }
     }
 
@@ -113,14 +138,7 @@ impl Extent {
 
     /// The extent of `prims`.
     pub(crate) fn of(prims: &[PrimInfo]) -> Self {
-        /// Above this, a second thread is worth waking.
-        const SEQUENTIAL: usize = 1 << 16;
-        if prims.len() <= SEQUENTIAL {
-            return prims.iter().fold(Self::EMPTY, |extent, p| extent.with(p));
-        }
-        let (a, b) = prims.split_at(prims.len() / 2);
-        let (a, b) = join(|| Self::of(a), || Self::of(b));
-        a.union(&b)
+        parallel::fold(prims, &|part| part.iter().fold(Self::EMPTY, |extent, p| extent.with(p)), &|a, b| a.union(&b))
     }
 
     #[inline]

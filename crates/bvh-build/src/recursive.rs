@@ -83,6 +83,6 @@ pub(crate) fn finish(
     let config = &rules.config;
     let is_swept = config.split_method == SplitMethod::Sah
         && config.axes == SplitAxes::All
-        && prims.len() <= config.buckets as usize;
+        && prims.len() <= config.full_sweep as usize;
     is_swept.then(|| small::grow(prims, first, rules, depth, nodes))
 }

@@ -68,9 +68,10 @@ fn choose(sorted: &mut Sorted, prims: &[PrimInfo], begin: usize, end: usize, rul
     }
     let is_weighed = is_free && extent.centroid_interval().is_some() && extent.bounds.surface_area() > 0.0;
     if is_weighed {
-        let leaf_cost = if fits_a_leaf { f64::from(config.intersection_cost) * count as f64 } else { f64::INFINITY };
-        let limit = Limit::new(&extent, config, leaf_cost);
-        if let Some((axis, middle)) = sorted.cheapest_boundary(prims, begin, end, limit) {
+        let limit = Limit::of(count, &extent, config);
+        if limit.is_any()
+            && let Some((axis, middle)) = sorted.cheapest_boundary(prims, begin, end, limit)
+        {
             return Choice::Split(axis, middle);
         }
     }
@@ -137,7 +138,7 @@ mod tests {
                     let config = BuildConfig::default()
                         .with_max_primitives_in_leaf(leaf)
                         .with_axes(SplitAxes::All)
-                        .with_buckets(MAX_SWEPT as u32);
+                        .with_full_sweep(MAX_SWEPT as u32);
                     let rules = Rules::new(&config, limit);
                     let (mut fast, mut slow) = (boxes(n, seed), boxes(n, seed));
                     let [mut nodes, mut expected] = [vec![], vec![]];
@@ -150,7 +151,7 @@ mod tests {
                         let NodeKind::Leaf { first, count } = node.kind else { continue };
                         let range = first as usize - 7..(first + count) as usize - 7;
                         let indices = |prims: &[PrimInfo]| {
-                            let mut indices: Vec<_> = prims[range.clone()].iter().map(|p| p.index).collect();
+                            let mut indices: Vec<_> = prims[range.clone()].iter().map(|p| p.index()).collect();
                             indices.sort_unstable();
                             indices
                         };

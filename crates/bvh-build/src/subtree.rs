@@ -3,7 +3,6 @@
 use geometry::{Axis, Bounds3};
 
 use crate::parallel::join;
-use crate::prim_info::PrimInfo;
 use crate::{Node, NodeKind};
 
 /// Up to this many primitives a subtree is grown by one thread into one block of nodes.
@@ -132,16 +131,17 @@ impl Subtree {
     }
 
     /// All nodes in depth-first order without gaps, and the primitives in the order of the leaves, within a leaf by
-    /// index. Since no split depends on the order of its primitives, nothing in the tree does.
-    pub(crate) fn assemble(self, prims: &[PrimInfo]) -> (Vec<Node>, Vec<u32>) {
+    /// index. Since no split depends on the order of its primitives, nothing in the tree does. `index` is that of the
+    /// primitive at a place of the builder's array, which has so many.
+    pub(crate) fn assemble(self, count: usize, index: impl Fn(usize) -> u32) -> (Vec<Node>, Vec<u32>) {
         let mut nodes = Vec::with_capacity(self.node_count());
-        let mut order = Vec::with_capacity(prims.len());
-        self.append_to(&mut nodes, &mut order, prims);
+        let mut order = Vec::with_capacity(count);
+        self.append_to(&mut nodes, &mut order, &index);
         (nodes, order)
     }
 
     // Node indices and places in the order fit 32 bits, since there are at most MAX_PRIMITIVES.
-    fn append_to(self, nodes: &mut Vec<Node>, order: &mut Vec<u32>, prims: &[PrimInfo]) {
+    fn append_to(self, nodes: &mut Vec<Node>, order: &mut Vec<u32>, index: &impl Fn(usize) -> u32) {
         match self {
             Self::Block { nodes: block, .. } => {
                 let offset = nodes.len() as u32;
@@ -149,8 +149,8 @@ impl Subtree {
                     match &mut node.kind {
                         NodeKind::Interior { second_child, .. } => *second_child += offset,
                         NodeKind::Leaf { first, count } => {
-                            let leaf = *first as usize..*first as usize + *count as usize;
-                            (*first, *count) = append_leaf(order, prims[leaf].iter().map(|p| p.index));
+                            let places = *first as usize..*first as usize + *count as usize;
+                            (*first, *count) = append_leaf(order, places.map(index));
                         }
                     }
                     node
@@ -160,9 +160,9 @@ impl Subtree {
                 let here = nodes.len();
                 let [a, b] = *children;
                 nodes.push(interior(bounds, axis));
-                a.append_to(nodes, order, prims);
+                a.append_to(nodes, order, index);
                 nodes[here].kind = NodeKind::Interior { axis, second_child: nodes.len() as u32 };
-                b.append_to(nodes, order, prims);
+                b.append_to(nodes, order, index);
             }
         }
     }

@@ -6,9 +6,11 @@ use geometry::{Bounds3, Hit, HitVisitor, Interval, MappedVisitor, TraversalRay, 
 use primitive::{HitKind, Primitive, PrimitiveList, SurfaceInteraction};
 
 use crate::simd::{Kernel, Lanes, SimdWidth};
-use crate::wide::{Child, FullNode, LeafWriter, Line, Query, WideTree, collapse, traverse};
 #[cfg(feature = "build")]
-use crate::wide::{MAX_LINES, WideNode};
+use crate::wide::WideNode;
+use crate::wide::{
+    Child, FullNode, LeafWriter, Line, MAX_LINES, Query, WideTree, collapse, traverse, with_small_leaves,
+};
 #[cfg(feature = "build")]
 use crate::{BuildConfig, BuildError, BuildObserver};
 use crate::{FlatBvh, InvalidBvh};
@@ -64,7 +66,10 @@ impl<P: Primitive> BvhAggregate<P> {
     }
 
     fn assemble(members: Vec<P>, bvh: FlatBvh) -> Option<Self> {
-        let wide = collapse::<FullNode>(&bvh, &Places)?;
+        if bvh.order().len() > MAX_LINES {
+            return None;
+        }
+        let wide = collapse::<FullNode>(&*with_small_leaves(&bvh), bvh.extra_references() > 0, &Places)?;
         Some(Self { list: PrimitiveList::new(members), bvh, wide, width: SimdWidth::default() })
     }
 
@@ -108,7 +113,11 @@ impl<P: Primitive> BvhAggregate<P> {
 struct Places;
 
 impl LeafWriter for Places {
-    fn write(&self, range: Range<usize>, _: &mut Vec<Line>) -> (usize, usize) {
+    fn line_count(&self, _: Range<usize>) -> usize {
+        0
+    }
+
+    fn write(&self, range: Range<usize>, _: usize, _: &mut [Line]) -> (usize, usize) {
         (range.start, range.len())
     }
 

@@ -83,6 +83,11 @@ impl FlatBvh {
         Self { nodes, order, primitive_count, extra_references }
     }
 
+    /// The nodes, whose boxes may change, and the order.
+    pub(crate) fn parts_mut(&mut self) -> (&mut [LinearBvhNode], &[u32]) {
+        (&mut self.nodes, &self.order)
+    }
+
     /// The nodes, the root first.
     pub fn nodes(&self) -> &[LinearBvhNode] {
         &self.nodes

@@ -46,24 +46,31 @@ impl Map {
 /// processor's time to be read, with these 20, since every page is made by a fault of its own.
 pub(crate) struct LargePages(MmapMut);
 
+/// From so many bytes on large pages are worth asking for.
+const LARGE: usize = 4 << 20;
+
 impl LargePages {
-    pub(crate) fn new(len: usize) -> io::Result<Self> {
-        let pages = MmapMut::map_anon(len)?;
+    /// Memory for so many lines; `None` where there are few, or the system has no memory for them.
+    pub(crate) fn for_lines(count: usize) -> Option<Self> {
+        let len = count.checked_mul(size_of::<Line>()).filter(|&len| len >= LARGE)?;
+        let pages = MmapMut::map_anon(len).ok()?;
         // A wish: without large pages it is slower, and right.
         #[cfg(target_os = "linux")]
         let _ = pages.advise(memmap2::Advice::HugePage);
-        Ok(Self(pages))
+        Some(Self(pages))
     }
 
-    pub(crate) fn bytes_mut(&mut self) -> &mut [u8] {
-        &mut self.0
+    /// The lines: their number is whole, and pages are aligned for more.
+    pub(crate) fn lines_mut(&mut self) -> &mut [Line] {
+        bytemuck::cast_slice_mut(&mut self.0)
     }
 
-    /// The same memory as lines; `None` where it is no whole number of them.
-    pub(crate) fn into_lines(self) -> Option<Lines> {
-        let owner = self.0.make_read_only().ok()?;
-        let len = owner.len();
-        Map(Arc::new(owner)).lines(0..len)
+    /// The same memory as lines that do not change.
+    pub(crate) fn into_lines(self) -> Lines {
+        // SAFETY: as in `Lines::from`; the mapping is private, stays where it is, and `Lines` writes to it no more than to a
+        // vector.
+        let lines = unsafe { &*std::ptr::from_ref::<[Line]>(bytemuck::cast_slice(&self.0)) };
+        Lines { lines, owner: Owner::Pages(Arc::new(self.0)) }
     }
 }
 
@@ -79,6 +86,30 @@ pub(crate) struct Lines {
 enum Owner {
     Vec(Vec<Line>),
     Map(Arc<Mmap>),
+    Pages(Arc<MmapMut>),
+}
+
+impl Lines {
+    /// The result of `write`, which may change all lines: in place where nobody else has them, else in a copy.
+    pub(crate) fn rewrite<T>(&mut self, write: impl FnOnce(&mut [Line]) -> T) -> T {
+        let old = std::mem::replace(self, Vec::new().into());
+        let mut own = match old.owner {
+            Owner::Vec(lines) => lines,
+            Owner::Map(_) => old.lines.to_vec(),
+            Owner::Pages(pages) => match Arc::try_unwrap(pages) {
+                Ok(pages) => {
+                    let mut pages = LargePages(pages);
+                    let result = write(pages.lines_mut());
+                    *self = pages.into_lines();
+                    return result;
+                }
+                Err(_shared) => old.lines.to_vec(),
+            },
+        };
+        let result = write(&mut own);
+        *self = own.into();
+        result
+    }
 }
 
 impl From<Vec<Line>> for Lines {
@@ -105,6 +136,7 @@ impl Clone for Lines {
         match &self.owner {
             Owner::Vec(owner) => owner.clone().into(),
             Owner::Map(map) => Self { lines: self.lines, owner: Owner::Map(Arc::clone(map)) },
+            Owner::Pages(pages) => Self { lines: self.lines, owner: Owner::Pages(Arc::clone(pages)) },
         }
     }
 }

@@ -13,18 +13,19 @@ use rayon::slice::{ParallelSlice, ParallelSliceMut};
 #[cfg(feature = "build")]
 use geometry::clipped_triangle_bounds;
 
+use crate::refit::ratio;
 #[cfg(feature = "build")]
 use crate::simd::LANES;
 use crate::simd::SimdWidth;
 use crate::wide::{
-    All, Answered, AnyQuery, Blocks, ClosestQuery, Compact, LARGE, Layout, TriangleWriter, Triangles, answer,
-    answer_many, collapse,
+    All, Answered, AnyQuery, BinaryTree, Blocks, ClosestQuery, Compact, CompactNode, FullNode, LARGE, TriangleWriter,
+    Triangles, answer, answer_many, collapse, leaf_cost, refit, with_small_leaves,
 };
 #[cfg(feature = "build")]
-use crate::wide::{FullNode, LEAF_COST, MAX_LINES, TRIANGLE_COST, WideNode};
+use crate::wide::{LEAF_COST, MAX_LINES, TRIANGLE_COST, WideNode};
 #[cfg(feature = "build")]
 use crate::{BuildConfig, BuildError, BuildObserver};
-use crate::{FlatBvh, MeshBvh, RaySegment};
+use crate::{MeshBvh, RaySegment, RefitError};
 
 /// How many rays a thread takes at once.
 #[cfg(feature = "parallel")]
@@ -68,15 +69,20 @@ impl WideLayout {
     }
 }
 
-/// How the binary tree is built that is to be collapsed: from single primitives; but where subtrees are moved, of whole
-/// leaves, by what these cost in a wide tree. A node with eight children costs 1, so a binary one about a third of that.
+/// How the binary tree is built that is to be collapsed. As many primitives as the configuration allows are never divided:
+/// testing them costs a leaf next to nothing, and the collapse merges leaves where that is cheaper. But where subtrees are
+/// moved, of whole leaves, these are made by what they cost in a wide tree. A node with eight children costs 1, so a binary
+/// one about a third of that.
 ///
 /// Moving the primitives one by one makes no better trees, takes a third of the build's time more, and leaves smaller
 /// leaves behind: kitchen has 58.2 bytes a triangle instead of 55.8.
 #[cfg(feature = "build")]
 fn binary_config(config: &BuildConfig) -> BuildConfig {
     match config.reinsertion {
-        None => config.with_max_primitives_in_leaf(1),
+        None => config
+            .with_max_primitives_in_leaf(config.max_primitives_in_leaf.min(LANES as u32))
+            .with_costs(0.3, 0.0)
+            .with_leaf_cost(0.0),
         Some(_) => config
             .with_max_primitives_in_leaf(LANES as u32)
             .with_costs(0.3, TRIANGLE_COST as f32)
@@ -85,8 +91,8 @@ fn binary_config(config: &BuildConfig) -> BuildConfig {
 }
 
 impl WideMesh {
-    /// Builds a tree over `mesh`. The leaves are made by what they cost in a wide tree, of at most eight triangles, whatever
-    /// `config.max_primitives_in_leaf` and the costs of `config` say.
+    /// Builds a tree over `mesh`. Sets of up to `config.max_primitives_in_leaf` triangles are not divided any more; leaves of up
+    /// to eight are made of them by what these cost in a wide tree, whatever the costs of `config` are.
     ///
     /// # Errors
     /// [`BuildError`] for a configuration that the builder refuses, or a mesh whose tree would be larger than 16 GiB.
@@ -107,30 +113,74 @@ impl WideMesh {
         observer: &dyn BuildObserver,
     ) -> Result<Self, BuildError> {
         let mesh = mesh.into();
-        let bounds: Vec<Bounds3> = (0..mesh.len()).map(|i| mesh.triangle_bounds(i)).collect();
+        let bounds = |i: u32| mesh.triangle_bounds(i as usize);
         let clipped = |i: u32, to: &Bounds3| clipped_triangle_bounds(&mesh.vertices(i as usize), to);
-        let tree = bvh_build::build_split(&bounds, &clipped, &binary_config(config), observer)?;
-        let bvh = FlatBvh::from_tree(tree);
+        let tree = bvh_build::build_split(mesh.len(), bounds, &clipped, &binary_config(config), observer)?;
+        let is_split = tree.statistics().reference_count > tree.statistics().active_count;
         // At most a line for each triangle and a node for each but one always fit; most meshes need a fifth of that.
         let limit = MAX_LINES / (1 + FullNode::LINES);
-        Self::from_tree(&mesh, &bvh, layout).ok_or(BuildError::TooManyPrimitives { count: mesh.len(), limit })
+        Self::collapsed(&mesh, tree.nodes(), tree.order(), is_split, layout)
+            .ok_or(BuildError::TooManyPrimitives { count: mesh.len(), limit })
     }
 
     /// Collapses the tree of a mesh. `None` where it does not fit the 16 GiB that its references can name.
     pub fn new(mesh: &MeshBvh, layout: WideLayout) -> Option<Self> {
-        Self::from_tree(mesh.mesh(), mesh.bvh(), layout)
+        let bvh = mesh.bvh();
+        Self::collapsed(mesh.mesh(), &*with_small_leaves(bvh), bvh.order(), bvh.extra_references() > 0, layout)
     }
 
-    fn from_tree(mesh: &Arc<TriangleMesh>, bvh: &FlatBvh, layout: WideLayout) -> Option<Self> {
-        fn tree<Y: Layout>(mesh: &TriangleMesh, bvh: &FlatBvh, layout: Y) -> Option<crate::wide::WideTree> {
-            collapse::<Y::Node>(bvh, &TriangleWriter { mesh, order: bvh.order(), layout })
-        }
+    fn collapsed(
+        mesh: &Arc<TriangleMesh>,
+        tree: &(impl BinaryTree + ?Sized),
+        order: &[u32],
+        is_split: bool,
+        layout: WideLayout,
+    ) -> Option<Self> {
         let tree = match layout {
-            WideLayout::Blocks => tree(mesh, bvh, Blocks)?,
-            WideLayout::Compact => tree(mesh, bvh, Compact)?,
+            WideLayout::Blocks => {
+                collapse::<FullNode>(tree, is_split, &TriangleWriter::<Blocks>::new(mesh, order, is_split))?
+            }
+            WideLayout::Compact => {
+                collapse::<CompactNode>(tree, is_split, &TriangleWriter::<Compact>::new(mesh, order, is_split))?
+            }
         };
         let triangles = Arc::new(Triangles { mesh: Arc::clone(mesh), tree });
         Some(Self { triangles, layout, width: SimdWidth::default() })
+    }
+
+    /// Adapts the tree to another mesh of as many triangles, whose places changed: the same triangles stay in the same leaves,
+    /// and answers are those of `mesh`. In place, on all threads of the current rayon pool with the feature `parallel`, and
+    /// with the same result on any number; linear in the number of triangles. Where a clone shares the tree, or it is mapped
+    /// from a file, a copy is adapted.
+    ///
+    /// The result is the cost of the new tree by the surface area heuristic as a part of that of the old one: where it gets
+    /// large (2, say), rays would gain by a new build. 1 where either has no area.
+    ///
+    /// # Errors
+    /// [`RefitError`], and the tree is as it was: for another number of triangles, with spatial splits, and where a triangle
+    /// became active or inactive.
+    pub fn refit(&mut self, mesh: impl Into<Arc<TriangleMesh>>) -> Result<f64, RefitError> {
+        let mesh = mesh.into();
+        let Triangles { mesh: old, tree } = &*self.triangles;
+        if mesh.len() != old.len() {
+            return Err(RefitError::Count { expected: old.len(), found: mesh.len() });
+        }
+        if tree.is_split {
+            return Err(RefitError::Split);
+        }
+        let is_active = |mesh: &TriangleMesh, i: usize| mesh.triangle_bounds(i).is_valid();
+        if let Some(primitive) = (0..mesh.len()).find(|&i| is_active(old, i) != is_active(&mesh, i)) {
+            return Err(RefitError::Activity { primitive });
+        }
+        let old_cost = tree.expected_steps;
+        let triangles = Arc::make_mut(&mut self.triangles);
+        let refitted = match self.layout {
+            WideLayout::Blocks => refit::<Blocks>(&mut triangles.tree, &mesh, &leaf_cost),
+            WideLayout::Compact => refit::<Compact>(&mut triangles.tree, &mesh, &leaf_cost),
+        };
+        debug_assert!(refitted.is_some(), "the references of a valid tree lead to lines");
+        triangles.mesh = mesh;
+        Ok(ratio([old_cost, triangles.tree.expected_steps]))
     }
 
     /// A mesh and a tree that has been validated, or made.

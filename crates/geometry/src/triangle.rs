@@ -1,6 +1,6 @@
 //! The watertight triangle test, and the point on the triangle that it found.
 
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3, Vec3A};
 
 use crate::exact::exact_weights;
 use crate::{Bounds3, Interval, MAX_COORDINATE, SurfacePoint, TraversalRay};
@@ -53,17 +53,28 @@ pub fn intersect_triangle(ray: &TraversalRay, vertices: &[Vec3; 3], interval: In
 /// second, which a far vertex of a long triangle brings, must be in the box: 8u L, rounded outward.
 ///
 /// Not [valid](Bounds3::is_valid) where a coordinate is NaN, infinite or beyond [`MAX_COORDINATE`].
-#[inline]
+#[inline(always)] // A call would write the vertices to memory and read them back in other pieces: a third of the time.
 pub fn triangle_bounds(vertices: &[Vec3; 3]) -> Bounds3 {
-    let tight = Bounds3::from_points(*vertices);
-    if !tight.is_valid() {
-        return tight;
+    let (a, b, c) = (Vec3A::from(vertices[0]), Vec3A::from(vertices[1]), Vec3A::from(vertices[2]));
+    let limit = Vec3A::splat(MAX_COORDINATE);
+    // False for NaN.
+    let is_valid = a.abs().cmple(limit) & b.abs().cmple(limit) & c.abs().cmple(limit);
+    if !is_valid.all() {
+        return Bounds3::from_points(*vertices);
     }
-    let growth = Vec3::splat(tight.diagonal().max_element() * (4.0 * f32::EPSILON));
-    let limit = Vec3::splat(MAX_COORDINATE);
-    let low = (tight.min - growth).to_array().map(f32::next_down);
-    let high = (tight.max + growth).to_array().map(f32::next_up);
-    Bounds3::new(Vec3::from_array(low).max(-limit), Vec3::from_array(high).min(limit))
+    let (min, max) = (a.min(b).min(c), a.max(b).max(c));
+    let growth = Vec3A::splat((max - min).max_element() * (4.0 * f32::EPSILON));
+    let low = Vec3A::from_array((min - growth).to_array().map(next_down)).max(-limit);
+    let high = Vec3A::from_array((max + growth).to_array().map(|x| -next_down(-x))).min(limit);
+    Bounds3::new(low.into(), high.into())
+}
+
+/// [`f32::next_down`] of a finite number, without a branch.
+#[inline]
+fn next_down(x: f32) -> f32 {
+    // Zeros of either sign become the negative one, and go away from zero like all negative numbers.
+    let bits = (x - 0.0).to_bits() | u32::from(x == 0.0) << 31;
+    f32::from_bits(if bits >> 31 == 1 { bits + 1 } else { bits.wrapping_sub(1) })
 }
 
 /// Whether the sheared ray passes through the closed triangle: all edge functions of one sign, and not all zero.

@@ -76,7 +76,7 @@ mod tests {
     #[test]
     fn the_library_passes_them_where_space_is_split() {
         let eager = SpatialSplits::new(0.0, 1.0).with_least_references(2);
-        let config = BuildConfig::high_quality().with_spatial_splits(Some(eager));
+        let config = BuildConfig::highest().with_spatial_splits(Some(eager));
         assert_passes(&Library { config }, CASES, &OPEN);
     }
 

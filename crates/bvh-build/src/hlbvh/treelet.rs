@@ -3,6 +3,7 @@
 use geometry::Bounds3;
 
 use super::TREELET_BITS;
+use super::coded::Coded;
 use crate::depth::MAX_DEPTH;
 use crate::morton::axis_of_bit;
 use crate::parallel;
@@ -17,33 +18,45 @@ use crate::{BuildConfig, Node, SplitMethod};
 /// above, and a group that begins there is within its limit: 52 + ⌈log₂ 2³¹⌉ ≤ 84 (see [`crate::depth`]).
 const MAX_HEIGHT: u32 = MAX_DEPTH - TREELET_BITS;
 
-/// The treelets of `prims`, which are sorted by their `codes`: one for all whose codes agree above `low_bits`.
-pub(super) fn build(codes: &[u64], low_bits: u32, prims: &mut [PrimInfo], config: &BuildConfig) -> Vec<Subtree> {
+/// The treelets of sorted `prims`: one for all whose codes agree above `low_bits`. `coded` has the places of the primitives, and
+/// gets their indices, in the order of the treelets.
+pub(super) fn build<C: Coded>(
+    coded: &mut [C],
+    low_bits: u32,
+    prims: &[PrimInfo],
+    config: &BuildConfig,
+) -> Vec<Subtree> {
     let rules = Rules::new(config, MAX_HEIGHT).with_split_method(SplitMethod::Sah);
-    let mut parts = Vec::new();
-    let mut rest = prims;
-    for codes in codes.chunk_by(|a, b| a >> low_bits == b >> low_bits) {
-        let (prims, behind) = rest.split_at_mut(codes.len());
-        let first = parts.last().map_or(0, |p: &TreeletPart| p.first() + p.len());
-        parts.push(TreeletPart::Coded { codes, prims, first, rules: &rules });
-        rest = behind;
+    let mut treelets = Vec::new();
+    let mut first = 0;
+    for coded in coded.chunk_by_mut(|a, b| a.code() >> low_bits == b.code() >> low_bits) {
+        let begin = first;
+        first += coded.len();
+        treelets.push((begin, coded));
     }
-    parallel::map(parts, |part| Subtree::grow(part, 1))
+    parallel::map(treelets, |(first, coded)| {
+        let mut own = parallel::collect(coded.len(), |i| prims[coded[i].number() as usize]);
+        let subtree = Subtree::grow(TreeletPart::Coded { coded: &*coded, prims: &mut own, first, rules: &rules }, 1);
+        for (coded, p) in coded.iter_mut().zip(&own) {
+            *coded = C::new(0, p.index());
+        }
+        subtree
+    })
 }
 
 /// A part of a treelet.
-enum TreeletPart<'a> {
+enum TreeletPart<'a, C> {
     /// Primitives in the order of their codes.
-    Coded { codes: &'a [u64], prims: &'a mut [PrimInfo], first: usize, rules: &'a Rules },
+    Coded { coded: &'a [C], prims: &'a mut [PrimInfo], first: usize, rules: &'a Rules },
     /// Primitives of one cell, which only their bounds can tell apart. pbrt makes them a leaf, however many they are;
     /// where a few far primitives stretch the grid, that can be nearly all of a scene.
     Cell(Group<'a>),
 }
 
-impl Part for TreeletPart<'_> {
+impl<C: Coded> Part for TreeletPart<'_, C> {
     fn len(&self) -> usize {
         match self {
-            Self::Coded { codes, .. } => codes.len(),
+            Self::Coded { coded, .. } => coded.len(),
             Self::Cell(group) => group.len(),
         }
     }
@@ -56,26 +69,26 @@ impl Part for TreeletPart<'_> {
     }
 
     fn split(self, depth: u32) -> Step<Self> {
-        let (codes, prims, first, rules) = match self {
-            Self::Coded { codes, prims, first, rules } => (codes, prims, first, rules),
+        let (coded, prims, first, rules) = match self {
+            Self::Coded { coded, prims, first, rules } => (coded, prims, first, rules),
             Self::Cell(group) => return split_cell(group, depth),
         };
-        if codes.len() <= rules.config.max_primitives_in_leaf as usize {
+        if coded.len() <= rules.config.max_primitives_in_leaf as usize {
             return Step::Leaf(bounds_of(prims));
         }
         // The codes are sorted: the first and the last differ in the highest bit in which any two do. pbrt asks bit
         // after bit.
-        let differing = codes.first().zip(codes.last()).map_or(0, |(a, b)| a ^ b);
+        let differing = coded.first().zip(coded.last()).map_or(0, |(a, b)| a.code() ^ b.code());
         let Some(bit) = differing.checked_ilog2() else {
             return split_cell(Group::new(prims, first, rules), depth);
         };
-        let middle = codes.partition_point(|code| code >> bit & 1 == 0);
-        let (a_codes, b_codes) = codes.split_at(middle);
+        let middle = coded.partition_point(|c| c.code() >> bit & 1 == 0);
+        let (a_coded, b_coded) = coded.split_at(middle);
         let (a, b) = prims.split_at_mut(middle);
         Step::Interior(
             axis_of_bit(bit),
-            Self::Coded { codes: a_codes, prims: a, first, rules },
-            Self::Coded { codes: b_codes, prims: b, first: first + middle, rules },
+            Self::Coded { coded: a_coded, prims: a, first, rules },
+            Self::Coded { coded: b_coded, prims: b, first: first + middle, rules },
         )
     }
 
@@ -87,7 +100,7 @@ impl Part for TreeletPart<'_> {
     }
 }
 
-fn split_cell<'a>(group: Group<'a>, depth: u32) -> Step<TreeletPart<'a>> {
+fn split_cell<C>(group: Group, depth: u32) -> Step<TreeletPart<C>> {
     match group.split(depth) {
         Step::Leaf(bounds) => Step::Leaf(bounds),
         Step::Interior(axis, a, b) => Step::Interior(axis, TreeletPart::Cell(a), TreeletPart::Cell(b)),

@@ -29,7 +29,7 @@ struct Upper<'a> {
 impl Upper<'_> {
     fn build(&mut self, roots: &mut [PrimInfo], extent: &Extent, depth: u32) -> Subtree {
         if let [root] = roots {
-            return std::mem::take(&mut self.treelets[root.index as usize]);
+            return std::mem::take(&mut self.treelets[root.index() as usize]);
         }
         let interval = extent.centroid_interval().filter(|_| self.limit.allows_any_split(depth, roots.len()));
         let split = interval

@@ -115,7 +115,7 @@ impl Slices {
                 let mut part = bounds;
                 part.min[axis] = part.min[axis].max(slicing.planes[i]);
                 part.max[axis] = part.max[axis].min(slicing.planes[i + 1]);
-                slices.bounds[i] = slices.bounds[i].union(&clipped(p.index, &part).into());
+                slices.bounds[i] = slices.bounds[i].union(&clipped(p.index(), &part).into());
             }
         }
         slices

@@ -36,8 +36,9 @@ impl Cut {
                 let mut halves = [p.bounds().to_bounds(); 2];
                 halves[0].max[axis.index()] = at;
                 halves[1].min[axis.index()] = at;
-                let halves = halves.map(|half| clipped(p.index, &half));
-                let halves = [0, 1].map(|side| halves[side].is_valid().then(|| PrimInfo::new(&halves[side], p.index)));
+                let halves = halves.map(|half| clipped(p.index(), &half));
+                let halves =
+                    [0, 1].map(|side| halves[side].is_valid().then(|| PrimInfo::new(&halves[side], p.index())));
                 if halves.iter().all(Option::is_none) {
                     cut.parts[0].push(*p);
                 }

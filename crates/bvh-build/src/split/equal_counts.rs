@@ -9,7 +9,7 @@ pub(crate) fn split(prims: &mut [PrimInfo], extent: &Extent) -> Split {
     let middle = prims.len() / 2;
     let axis = extent.centroids2.to_bounds().dominant_axis();
     prims.select_nth_unstable_by(middle, |a, b| {
-        a.centroid2_on(axis).total_cmp(&b.centroid2_on(axis)).then(a.index.cmp(&b.index))
+        a.centroid2_on(axis).total_cmp(&b.centroid2_on(axis)).then(a.index().cmp(&b.index()))
     });
     Split::at(middle, axis, prims)
 }
@@ -32,7 +32,7 @@ mod tests {
             let extent = Extent::of(&prims);
             let split = split(&mut prims, &extent);
             assert_eq!(split.middle, n as usize / 2);
-            let mut first: Vec<_> = prims[..split.middle].iter().map(|p| p.index).collect();
+            let mut first: Vec<_> = prims[..split.middle].iter().map(|p| p.index()).collect();
             first.sort_by_key(|&i| (i * 7 % 5, i));
             assert_eq!(first, sorted[..split.middle]);
         }
@@ -44,6 +44,6 @@ mod tests {
         let extent = Extent::of(&prims);
         let split = split(&mut prims, &extent);
         assert_eq!(split.middle, 3);
-        assert!(prims[..3].iter().all(|p| p.index < 3));
+        assert!(prims[..3].iter().all(|p| p.index() < 3));
     }
 }

@@ -31,7 +31,7 @@ mod tests {
         let extent = Extent::of(&prims);
         let split = split(&mut prims, &extent, extent.centroid_interval().expect("spread"));
         assert_eq!((split.axis, split.middle), (Axis::X, 3));
-        let mut first: Vec<_> = prims[..3].iter().map(|p| p.index).collect();
+        let mut first: Vec<_> = prims[..3].iter().map(|p| p.index()).collect();
         first.sort_unstable();
         assert_eq!(first, [1, 2, 3]);
         assert_eq!(split.extents, [Extent::of(&prims[..3]), Extent::of(&prims[3..])]);

@@ -73,10 +73,10 @@ mod tests {
         for n in 0..12_u32 {
             for wanted in 0..1_u32 << n {
                 let mut prims: Vec<_> = (0..n).map(|i| PrimInfo::new(&Bounds3::default(), i)).collect();
-                let middle = partition(&mut prims, |p| wanted >> p.index & 1 == 1);
+                let middle = partition(&mut prims, |p| wanted >> p.index() & 1 == 1);
                 assert_eq!(middle as u32, wanted.count_ones());
-                let front = prims[..middle].iter().fold(0, |set, p| set | 1 << p.index);
-                let back = prims[middle..].iter().fold(0, |set, p| set | 1 << p.index);
+                let front = prims[..middle].iter().fold(0, |set, p| set | 1 << p.index());
+                let back = prims[middle..].iter().fold(0, |set, p| set | 1 << p.index());
                 assert_eq!((front, back), (wanted, !wanted & ((1 << n) - 1)));
             }
         }

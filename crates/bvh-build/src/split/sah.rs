@@ -11,6 +11,7 @@ use super::{Split, partition};
 use crate::config::MAX_BUCKETS;
 use crate::prim_info::{Extent, PrimInfo};
 use crate::{BuildConfig, SplitAxes};
+pub(crate) use all_axes::{Plane, cheapest_plane};
 use buckets::Buckets;
 pub(crate) use sweep::{MAX_SWEPT, Sorted};
 
@@ -22,14 +23,15 @@ pub(crate) use sweep::{MAX_SWEPT, Sorted};
 /// centroids are not all one point, and s_C > 0.
 pub(crate) fn split(prims: &mut [PrimInfo], extent: &Extent, config: &BuildConfig, leaf_cost: f64) -> Option<Split> {
     let limit = Limit::new(extent, config, leaf_cost);
+    if !limit.is_any() {
+        return None;
+    }
     match (config.axes, config.buckets) {
         (SplitAxes::Dominant, ..=12) => one_axis::<12>(prims, extent, config, limit),
         (SplitAxes::Dominant, ..=32) => one_axis::<32>(prims, extent, config, limit),
         (SplitAxes::Dominant, _) => one_axis::<MAX_BUCKETS>(prims, extent, config, limit),
-        (SplitAxes::All, buckets) if prims.len() <= buckets as usize => sweep::split(prims, limit),
-        (SplitAxes::All, ..=16) => all_axes::split::<16>(prims, extent, config, limit),
-        (SplitAxes::All, ..=32) => all_axes::split::<32>(prims, extent, config, limit),
-        (SplitAxes::All, _) => all_axes::split::<MAX_BUCKETS>(prims, extent, config, limit),
+        (SplitAxes::All, _) if prims.len() <= config.full_sweep as usize => sweep::split(prims, limit),
+        (SplitAxes::All, _) => all_axes::split(prims, extent, config, limit),
     }
 }
 
@@ -72,6 +74,18 @@ impl Limit {
     pub(crate) fn new(extent: &Extent, config: &BuildConfig, leaf_cost: f64) -> Self {
         let [t_trav, t_isect] = [config.traversal_cost, config.intersection_cost].map(f64::from);
         Self { t_trav, t_isect, area: extent.bounds.surface_area(), leaf_cost }
+    }
+
+    /// The limit for a set of `count` primitives: what they cost as a leaf, if they fit one.
+    pub(crate) fn of(count: usize, extent: &Extent, config: &BuildConfig) -> Self {
+        let fits_a_leaf = count <= config.max_primitives_in_leaf as usize;
+        let leaf_cost = if fits_a_leaf { f64::from(config.intersection_cost) * count as f64 } else { f64::INFINITY };
+        Self::new(extent, config, leaf_cost)
+    }
+
+    /// Whether any split can cost less.
+    pub(crate) fn is_any(&self) -> bool {
+        self.t_trav < self.leaf_cost
     }
 
     /// Whether a boundary of this weight costs less. No boundary has the weight infinity, and costs less than nothing.
@@ -170,7 +184,7 @@ mod tests {
     }
 
     fn indices<'a>(prims: impl Iterator<Item = &'a PrimInfo>) -> Vec<u32> {
-        let mut indices: Vec<_> = prims.map(|p| p.index).collect();
+        let mut indices: Vec<_> = prims.map(|p| p.index()).collect();
         indices.sort_unstable();
         indices
     }
@@ -179,7 +193,10 @@ mod tests {
     fn cheapest(prims: &[PrimInfo], config: &BuildConfig) -> Found {
         let extent = Extent::of(prims);
         let mut best = (Vec::new(), f64::INFINITY);
-        let count = config.buckets as f32;
+        let count = match config.axes {
+            SplitAxes::Dominant => config.buckets,
+            SplitAxes::All => config.buckets_of(prims.len()),
+        } as f32;
         for axis in Axis::ALL {
             let [low, high] = [extent.centroids2.min, extent.centroids2.max].map(|c| c[axis.index()]);
             let place = |p: &PrimInfo| count / (high - low) * (p.centroid2_on(axis) - low);
@@ -189,7 +206,7 @@ mod tests {
                     SplitAxes::Dominant => {
                         brute_force(prims, config, |p| place(p).floor().clamp(0.0, count - 1.0), &mut best);
                     }
-                    SplitAxes::All if prims.len() <= config.buckets as usize => {
+                    SplitAxes::All if prims.len() <= config.full_sweep as usize => {
                         brute_force(prims, config, |p| p.centroid2_on(axis), &mut best);
                     }
                     SplitAxes::All => {
@@ -205,7 +222,8 @@ mod tests {
     #[test]
     fn the_split_is_the_cheapest_of_all_boundaries() {
         let configs = [2, 3, 12, 13, 16, 32, 33, 64].into_iter().flat_map(|buckets| {
-            SplitAxes::ALL.map(|axes| BuildConfig::default().with_buckets(buckets).with_axes(axes))
+            SplitAxes::ALL
+                .map(|axes| BuildConfig::default().with_buckets(buckets).with_axes(axes).with_full_sweep(buckets / 2))
         });
         for config in configs {
             for n in (2..=40).chain([63, 64, 65, 100, 1000, 70_000]) {
@@ -239,8 +257,8 @@ mod tests {
                     let ends = [at(low), at(high)];
                     let last = count as i32 - 1;
                     assert_eq!(ends.each_ref().map(|p| projection.bucket(p)), [0, last], "{low} {high} {count}");
-                    let grid = all_axes::Grid::<64>::new(&Extent::of(&ends), count);
-                    let buckets = ends.each_ref().map(|p| grid.buckets(p));
+                    let grid = all_axes::Grid::new(&Extent::of(&ends), count);
+                    let buckets = ends.each_ref().map(|p| grid.buckets::<64>(p.centroid2()));
                     assert_eq!(buckets, [[0, 0, 0], [last as usize, 0, 0]], "{low} {high} {count}");
                 }
             }

@@ -70,14 +70,14 @@ fn every_optimized_tree_is_valid_and_costs_no_more() {
 fn reinsertion_is_valid_for_extreme_parameters() {
     for (name, bounds) in hard_cases() {
         for config in [
-            BuildConfig::high_quality().with_costs(0.0, 0.0),
-            BuildConfig::high_quality().with_costs(0.0, 1.0),
-            BuildConfig::high_quality().with_costs(f32::MAX, f32::MAX),
-            BuildConfig::high_quality().with_costs(1e-45, 1e-45),
-            BuildConfig::high_quality().with_max_primitives_in_leaf(1),
-            BuildConfig::high_quality().with_max_primitives_in_leaf(65_535),
-            BuildConfig::high_quality().with_reinsertion(Some(Reinsertion::new(u32::MAX, f32::MIN_POSITIVE))),
-            BuildConfig::high_quality().with_reinsertion(Some(Reinsertion::new(0, 1.0))),
+            BuildConfig::highest().with_costs(0.0, 0.0),
+            BuildConfig::highest().with_costs(0.0, 1.0),
+            BuildConfig::highest().with_costs(f32::MAX, f32::MAX),
+            BuildConfig::highest().with_costs(1e-45, 1e-45),
+            BuildConfig::highest().with_max_primitives_in_leaf(1),
+            BuildConfig::highest().with_max_primitives_in_leaf(65_535),
+            BuildConfig::highest().with_reinsertion(Some(Reinsertion::new(u32::MAX, f32::MIN_POSITIVE))),
+            BuildConfig::highest().with_reinsertion(Some(Reinsertion::new(0, 1.0))),
         ] {
             check(&build(&bounds, &config).expect("valid"), &bounds, &config, &format!("{name}, {config:?}"));
         }
@@ -94,7 +94,7 @@ fn reinsertion_improves_every_tree() {
     let cost = |config: BuildConfig| build(&bounds, &config).expect("valid").statistics().sah_cost;
     let balanced = cost(BuildConfig::balanced());
     assert!(balanced < cost(BuildConfig::default()));
-    assert!(cost(BuildConfig::high_quality()) < 0.97 * balanced);
+    assert!(cost(BuildConfig::highest()) < 0.97 * balanced);
     for method in SplitMethod::ALL {
         let config = BuildConfig::new(method);
         let [before, after] = [None, Some(Reinsertion::new(4, 1.0))].map(|r| cost(config.with_reinsertion(r)));

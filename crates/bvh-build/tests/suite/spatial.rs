@@ -9,7 +9,7 @@ use crate::scenes::{Random, hard_cases, uniform};
 /// Primitives that fill their bounds.
 fn split_tree(bounds: &[Bounds3], config: &BuildConfig) -> Tree {
     let clipped = |i: u32, to: &Bounds3| common(&bounds[i as usize], to);
-    build_split(bounds, &clipped, config, &()).expect("valid")
+    build_split(bounds.len(), |i| bounds[i as usize], &clipped, config, &()).expect("valid")
 }
 
 fn common(a: &Bounds3, b: &Bounds3) -> Bounds3 {
@@ -20,7 +20,7 @@ fn common(a: &Bounds3, b: &Bounds3) -> Bounds3 {
 const EAGER: SpatialSplits = SpatialSplits::new(0.0, 1.0).with_least_references(2);
 
 fn configs() -> [BuildConfig; 4] {
-    let config = BuildConfig::high_quality().with_spatial_splits(Some(EAGER));
+    let config = BuildConfig::highest().with_spatial_splits(Some(EAGER));
     [
         config.with_reinsertion(None),
         config.with_max_primitives_in_leaf(1).with_reinsertion(Some(Reinsertion::new(2, 1.0))),
@@ -110,7 +110,7 @@ fn long_boxes(count: usize) -> Vec<Bounds3> {
 fn long_primitives_cost_less_where_space_is_split() {
     let bounds = long_boxes(3000);
     let splits = SpatialSplits::new(0.0, 1.0).with_least_references(32);
-    for config in [BuildConfig::balanced(), BuildConfig::high_quality()] {
+    for config in [BuildConfig::balanced(), BuildConfig::highest()] {
         let whole = build(&bounds, &config).expect("valid");
         let split = split_tree(&bounds, &config.with_spatial_splits(Some(splits)));
         assert!(split.order().len() > whole.order().len() + 1000);
@@ -123,7 +123,7 @@ fn long_primitives_cost_less_where_space_is_split() {
 #[test]
 fn where_nothing_is_split_nothing_changes() {
     let bounds = long_boxes(1000);
-    let config = BuildConfig::high_quality();
+    let config = BuildConfig::highest();
     let whole = build(&bounds, &config.with_spatial_splits(None)).expect("valid");
     for splits in [SpatialSplits::new(0.0, 0.0), SpatialSplits::new(f32::MAX, 1.0), EAGER.with_least_references(1001)] {
         assert_eq!(split_tree(&bounds, &config.with_spatial_splits(Some(splits))), whole, "{splits:?}");
@@ -144,7 +144,7 @@ fn nonsense_about_parts_makes_a_tree_nevertheless() {
     ];
     for answer in answers {
         let config = configs()[2];
-        let tree = build_split(&bounds, &|_, _| answer, &config, &()).expect("valid");
+        let tree = build_split(bounds.len(), |i| bounds[i as usize], &|_, _| answer, &config, &()).expect("valid");
         let parts = check_leaves(&tree, bounds.len(), &config, &format!("{answer:?}"));
         assert!(parts.iter().all(|parts| !parts.is_empty()), "{answer:?}");
     }

@@ -8,6 +8,8 @@ use super::checksum::{sum, sum_of_pieces};
 use super::header::VERSION;
 use crate::WideLayout;
 #[cfg(feature = "build")]
+use crate::simd::LANES;
+#[cfg(feature = "build")]
 use crate::{BuildConfig, bvh_build::BUILDER_VERSION};
 
 /// A fingerprint of geometry, of 128 bits: other bits anywhere in it make another key. Texture coordinates do not count,
@@ -90,12 +92,12 @@ pub struct TreeOptions {
 }
 
 impl TreeOptions {
-    /// Those of a build with `config`. Wide trees are made from leaves of one primitive, whatever it says.
+    /// Those of a build with `config`. The leaves of wide trees have no more than eight primitives, whatever it says.
     #[cfg(feature = "build")]
     pub fn new(config: &BuildConfig, layout: TreeLayout) -> Self {
         let config = match layout {
             TreeLayout::Binary => *config,
-            TreeLayout::Wide(_) => config.with_max_primitives_in_leaf(1),
+            TreeLayout::Wide(_) => config.with_max_primitives_in_leaf(config.max_primitives_in_leaf.min(LANES as u32)),
         };
         Self { layout, description: format!("builder {BUILDER_VERSION}: {config}") }
     }

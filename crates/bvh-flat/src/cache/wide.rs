@@ -7,9 +7,9 @@ use geometry::TriangleMesh;
 
 use super::checksum::sum_of_pieces;
 use super::header::{Counts, HEADER_BYTES, Header};
-use super::section::read_section;
 #[cfg(feature = "mmap")]
-use super::section::{out_of_memory, read_into};
+use super::section::read_into;
+use super::section::read_section;
 use super::source::{OpenFile, Source};
 use super::{CacheError, GeometryKey, Section, TreeLayout, TreeOptions, file};
 #[cfg(feature = "build")]
@@ -231,19 +231,13 @@ fn check_counts(header: &Header, found: &WideCounts, tree: &WideTree, primitives
 fn read_arena(source: &impl Source, header: &Header) -> Result<Arena, CacheError> {
     let record = &header.sections[0];
     #[cfg(feature = "mmap")]
-    if record.length >= LARGE {
-        let count = record.entries::<Line>()?;
-        let mut pages = LargePages::new(count * size_of::<Line>()).map_err(|_| out_of_memory())?;
-        read_into(source, Section::Arena, record, pages.bytes_mut())?;
-        return Ok(Arena::from_all(pages.into_lines().ok_or_else(out_of_memory)?));
+    if let Some(mut pages) = LargePages::for_lines(record.entries::<Line>()?) {
+        read_into(source, Section::Arena, record, bytemuck::cast_slice_mut(pages.lines_mut()))?;
+        return Ok(Arena::from_all(pages.into_lines()));
     }
     let lines: Vec<Line> = read_section(source, Section::Arena, record)?;
     Ok(Arena::from_all(lines.into()))
 }
-
-/// Arenas of so many bytes are read into large pages.
-#[cfg(feature = "mmap")]
-const LARGE: u64 = 4 << 20;
 
 #[cfg(feature = "mmap")]
 fn map_arena(file: &OpenFile, header: &Header) -> Result<Arena, CacheError> {

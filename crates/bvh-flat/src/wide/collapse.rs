@@ -1,13 +1,19 @@
 //! From a binary tree to a wide one, by cost.
 
+mod emit;
+mod plan;
+
+use std::borrow::Cow;
 use std::ops::Range;
 
 use geometry::Bounds3;
 
-use super::arena::{Arena, Child, Line, MAX_LINES};
+use super::arena::{Arena, Child, LEAF_LINES, Line, MAX_LINES};
 use super::node::WideNode;
-use crate::FlatBvh;
 use crate::simd::LANES;
+use crate::{FlatBvh, LinearBvhNode};
+use emit::Emitter;
+use plan::{Plan, plan};
 
 /// A tree of nodes with up to eight children, and leaves with up to eight primitives.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,185 +30,138 @@ pub(crate) struct WideTree {
 }
 
 /// Puts the primitives at a range of the order, at most eight, where a leaf of them finds them.
-pub(crate) trait LeafWriter {
-    /// The place by which a leaf finds them, and how many they are, each once; lines may be added at the end.
-    fn write(&self, range: Range<usize>, lines: &mut Vec<Line>) -> (usize, usize);
+pub(crate) trait LeafWriter: Sync {
+    /// How many lines such a leaf takes.
+    fn line_count(&self, range: Range<usize>) -> usize;
+
+    /// Writes so many lines, which are zero and begin at line `at` of the arena: the place by which a leaf finds the
+    /// primitives, and how many they are, each once.
+    fn write(&self, range: Range<usize>, at: usize, lines: &mut [Line]) -> (usize, usize);
 
     /// What testing `count` primitives of a leaf costs, where testing the eight boxes of a node costs 1.
     fn cost(&self, count: usize) -> f64;
 }
 
-/// The least expected cost of everything below a binary node, if it is put under a wide node as 1, 2, … 7 children.
-type Costs = [f64; LANES - 1];
+/// A binary tree, depth first: the first child of a node is the next one.
+pub(crate) trait BinaryTree: Sync {
+    /// How many nodes it has.
+    fn len(&self) -> usize;
 
-/// How that is done: for `parts` children `left[parts - 1]` of them are made of the first child and the others of the
-/// second; 0 stands for one part fewer.
-#[derive(Clone, Copy, Default)]
-struct Plan {
-    /// For more than one part.
-    left: [u8; LANES - 1],
-    /// For a node of its own with eight children; 0 for a leaf.
-    left_of_eight: u8,
+    /// The bounds of a node.
+    fn bounds(&self, node: usize) -> Bounds3;
+
+    /// The second child of a node; `None` for a leaf.
+    fn second_child(&self, node: usize) -> Option<usize>;
+
+    /// The places of a leaf's primitives in the order, at most eight.
+    fn range(&self, leaf: usize) -> Range<usize>;
+}
+
+impl BinaryTree for [LinearBvhNode] {
+    fn len(&self) -> usize {
+        self.len()
+    }
+
+    fn bounds(&self, node: usize) -> Bounds3 {
+        self[node].bounds()
+    }
+
+    fn second_child(&self, node: usize) -> Option<usize> {
+        (!self[node].is_leaf()).then(|| self[node].second_child())
+    }
+
+    fn range(&self, leaf: usize) -> Range<usize> {
+        self[leaf].range()
+    }
+}
+
+#[cfg(feature = "build")]
+impl BinaryTree for [bvh_build::Node] {
+    fn len(&self) -> usize {
+        self.len()
+    }
+
+    fn bounds(&self, node: usize) -> Bounds3 {
+        self[node].bounds
+    }
+
+    fn second_child(&self, node: usize) -> Option<usize> {
+        match self[node].kind {
+            bvh_build::NodeKind::Interior { second_child, .. } => Some(second_child as usize),
+            bvh_build::NodeKind::Leaf { .. } => None,
+        }
+    }
+
+    fn range(&self, leaf: usize) -> Range<usize> {
+        match self[leaf].kind {
+            bvh_build::NodeKind::Interior { .. } => 0..0,
+            bvh_build::NodeKind::Leaf { first, count } => first as usize..first as usize + count as usize,
+        }
+    }
 }
 
 /// Which binary nodes become wide nodes and leaves is decided by dynamic programming, after Ylitie, Karras and Laine 2017,
 /// *Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs*, section 4: the least sum of area times cost
 /// over all nodes and leaves. `None` where the result would not fit an [`Arena`].
-pub(crate) fn collapse<N: WideNode>(bvh: &FlatBvh, writer: &impl LeafWriter) -> Option<WideTree> {
-    let binary = Binary::new(bvh);
-    let (plans, cost) = binary.plan(writer);
-    let mut lines = Vec::new();
-    let root = if binary.nodes.is_empty() { None } else { Some(binary.emit::<N>(&plans, 0, writer, &mut lines)?) };
-    let bounds = bvh.bounds();
+///
+/// The plan says how many lines each subtree takes, so that all are written in parallel into memory of the right size.
+///
+/// `is_split` says whether a primitive may be in several leaves.
+pub(crate) fn collapse<N: WideNode>(
+    tree: &(impl BinaryTree + ?Sized),
+    is_split: bool,
+    writer: &impl LeafWriter,
+) -> Option<WideTree> {
+    let mut plans = vec![Plan::default(); tree.len()];
+    let cost = plan::<N>(tree, &mut plans, writer);
+    let count = plans.first().map_or(0, Plan::line_count);
+    if count > MAX_LINES {
+        return None;
+    }
+    let emitter = Emitter::<N, _, _>::new(tree, &plans, writer);
+    let (arena, root) =
+        Arena::written(count + LEAF_LINES, |lines| (tree.len() > 0).then(|| emitter.root(&mut lines[..count])));
+    let bounds = root.map_or(Bounds3::EMPTY, |_| tree.bounds(0));
     let area = bounds.surface_area();
     let expected_steps = if area > 0.0 { cost / area } else { 0.0 };
-    Some(WideTree { arena: Arena::new(lines), root, bounds, is_split: bvh.extra_references() > 0, expected_steps })
+    Some(WideTree { arena, root, bounds, is_split, expected_steps })
 }
 
-/// A node of the binary tree, with its primitives.
-#[derive(Clone, Copy)]
-struct BinaryNode {
-    bounds: Bounds3,
-    /// 0 for a leaf. The first child is the next node.
-    second_child: u32,
-    first: u32,
-    count: u32,
-}
-
-/// A binary tree, depth first, with leaves of at most eight primitives.
-struct Binary {
-    nodes: Vec<BinaryNode>,
-}
-
-impl Binary {
-    fn new(bvh: &FlatBvh) -> Self {
-        let mut nodes: Vec<BinaryNode> = Vec::with_capacity(bvh.nodes().len());
-        // Where each flat node went, since large leaves are divided.
-        let mut moved = Vec::with_capacity(bvh.nodes().len());
-        for node in bvh.nodes() {
-            moved.push(nodes.len() as u32);
+/// The same tree with leaves of at most eight primitives.
+pub(crate) fn with_small_leaves(bvh: &FlatBvh) -> Cow<'_, [LinearBvhNode]> {
+    let nodes = bvh.nodes();
+    if nodes.iter().all(|node| usize::from(node.count) <= LANES) {
+        return Cow::Borrowed(nodes);
+    }
+    let mut small: Vec<LinearBvhNode> = Vec::with_capacity(2 * nodes.len());
+    // Where each node went.
+    let moved: Vec<u32> = nodes
+        .iter()
+        .map(|node| {
+            let at = small.len();
             if node.is_leaf() {
-                divide(node.bounds(), node.range(), &mut nodes);
+                divide(node, node.range(), &mut small);
             } else {
-                // Its primitives follow from its children below.
-                let second_child = node.second_child() as u32;
-                nodes.push(BinaryNode { bounds: node.bounds(), second_child, first: 0, count: 0 });
+                small.push(*node);
             }
-        }
-        for i in (0..bvh.nodes().len()).rev() {
-            if !bvh.nodes()[i].is_leaf() {
-                let at = moved[i] as usize;
-                let second = moved[nodes[at].second_child as usize];
-                let (a, b) = (nodes[at + 1], nodes[second as usize]);
-                nodes[at] = BinaryNode { second_child: second, first: a.first, count: a.count + b.count, ..nodes[at] };
-            }
-        }
-        Self { nodes }
+            at as u32
+        })
+        .collect();
+    for (node, &at) in nodes.iter().zip(&moved).filter(|(node, _)| !node.is_leaf()) {
+        small[at as usize].offset = moved[node.second_child()];
     }
-
-    /// The plan of every node, and the cost of it all.
-    fn plan(&self, writer: &impl LeafWriter) -> (Vec<Plan>, f64) {
-        let mut plans = vec![Plan::default(); self.nodes.len()];
-        // From the back, so that children come before their parent, and the first child's costs are on top.
-        let mut stack: Vec<Costs> = Vec::new();
-        for (node, plan) in self.nodes.iter().zip(&mut plans).rev() {
-            let area = node.bounds.surface_area();
-            let as_leaf = match node.count as usize {
-                count @ 0..=LANES => area * writer.cost(count),
-                _ => f64::INFINITY,
-            };
-            let children = if node.second_child == 0 { None } else { stack.pop().zip(stack.pop()) };
-            let Some((first, second)) = children else {
-                stack.push([as_leaf; LANES - 1]);
-                continue;
-            };
-            // Divides `parts` among the two children.
-            let divide = |parts: usize| {
-                let costs = (1..parts).filter(|&k| k < LANES && parts - k < LANES);
-                let costs = costs.map(|k| (first[k - 1] + second[parts - k - 1], k as u8));
-                costs.fold((f64::INFINITY, 1), |best, next| if next.0 < best.0 { next } else { best })
-            };
-            let mut costs = [0.0; LANES - 1];
-            let (of_children, left) = divide(LANES);
-            let as_node = area + of_children;
-            (costs[0], plan.left_of_eight) = if as_leaf <= as_node { (as_leaf, 0) } else { (as_node, left) };
-            for parts in 2..LANES {
-                let (cost, left) = divide(parts);
-                let fewer = costs[parts - 2];
-                (costs[parts - 1], plan.left[parts - 1]) = if fewer <= cost { (fewer, 0) } else { (cost, left) };
-            }
-            stack.push(costs);
-        }
-        let cost = stack.last().map_or(0.0, |costs| costs[0]);
-        (plans, cost)
-    }
-
-    /// The children as which a node is put under a wide one.
-    fn gather(&self, plans: &[Plan], node: usize, parts: usize, children: &mut Vec<usize>) {
-        let left = plans[node].left[parts - 1] as usize;
-        if parts == 1 {
-            children.push(node);
-        } else if left == 0 {
-            // A leaf has no other plan either.
-            let fewer = if self.nodes[node].second_child == 0 { 1 } else { parts - 1 };
-            self.gather(plans, node, fewer, children);
-        } else {
-            self.gather(plans, node + 1, left, children);
-            self.gather(plans, self.nodes[node].second_child as usize, parts - left, children);
-        }
-    }
-
-    /// Writes everything below a node: itself, its leaves, and then the nodes below it.
-    fn emit<N: WideNode>(
-        &self,
-        plans: &[Plan],
-        node: usize,
-        writer: &impl LeafWriter,
-        lines: &mut Vec<Line>,
-    ) -> Option<Child> {
-        let BinaryNode { second_child, first, count, .. } = self.nodes[node];
-        let left = usize::from(plans[node].left_of_eight);
-        let is_leaf = |i: usize| self.nodes[i].second_child == 0 || plans[i].left_of_eight == 0;
-        let leaf = |i: usize, lines: &mut Vec<Line>| {
-            let (first, count) = (self.nodes[i].first as usize, self.nodes[i].count as usize);
-            let (place, count) = writer.write(first..first + count, lines);
-            (place < MAX_LINES).then(|| Child::leaf(place, count))
-        };
-        if is_leaf(node) {
-            debug_assert!(first as usize + count as usize <= u32::MAX as usize);
-            return leaf(node, lines);
-        }
-        let mut nodes = Vec::with_capacity(LANES);
-        self.gather(plans, node + 1, left, &mut nodes);
-        self.gather(plans, second_child as usize, LANES - left, &mut nodes);
-        let at = lines.len();
-        if at >= MAX_LINES {
-            return None;
-        }
-        lines.resize(at + N::LINES, Line::default());
-        let bounds: Vec<Bounds3> = nodes.iter().map(|&i| self.nodes[i].bounds).collect();
-        let mut children = vec![None; nodes.len()];
-        for (child, &i) in children.iter_mut().zip(&nodes).filter(|(_, i)| is_leaf(**i)) {
-            *child = Some(leaf(i, lines)?);
-        }
-        for (child, &i) in children.iter_mut().zip(&nodes).filter(|(_, i)| !is_leaf(**i)) {
-            *child = Some(self.emit::<N>(plans, i, writer, lines)?);
-        }
-        N::write(&bounds, &children, &mut lines[at..at + N::LINES]);
-        Some(Child::node(at))
-    }
+    Cow::Owned(small)
 }
 
-/// A leaf as binary nodes of at most eight primitives.
-fn divide(bounds: Bounds3, range: Range<usize>, nodes: &mut Vec<BinaryNode>) {
+/// Appends a part of a leaf as leaves of at most eight primitives, and nodes above them.
+fn divide(leaf: &LinearBvhNode, range: Range<usize>, nodes: &mut Vec<LinearBvhNode>) {
     let at = nodes.len();
-    let (first, count) = (range.start as u32, range.len() as u32);
-    nodes.push(BinaryNode { bounds, second_child: 0, first, count });
+    nodes.push(LinearBvhNode { offset: range.start as u32, count: range.len() as u16, ..*leaf });
     if range.len() > LANES {
         // The first half in whole leaves.
         let middle = range.start + (range.len() / 2).next_multiple_of(LANES);
-        divide(bounds, range.start..middle, nodes);
-        nodes[at].second_child = nodes.len() as u32;
-        divide(bounds, middle..range.end, nodes);
+        divide(leaf, range.start..middle, nodes);
+        nodes[at] = LinearBvhNode { offset: nodes.len() as u32, count: 0, ..*leaf };
+        divide(leaf, middle..range.end, nodes);
     }
 }

@@ -7,6 +7,7 @@ mod collapse;
 mod node;
 mod packet;
 mod queries;
+mod refit;
 mod traverse;
 mod triangle_ray;
 mod triangles;
@@ -15,17 +16,16 @@ mod validate;
 
 #[cfg(feature = "cache")]
 pub(crate) use arena::Arena;
-#[cfg(feature = "build")]
-pub(crate) use arena::MAX_LINES;
-pub(crate) use arena::{Child, Line};
+pub(crate) use arena::{Child, Line, MAX_LINES};
 pub(crate) use batch::{LARGE, answer_many};
-pub(crate) use collapse::{LeafWriter, WideTree, collapse};
-pub(crate) use node::FullNode;
+pub(crate) use collapse::{BinaryTree, LeafWriter, WideTree, collapse, with_small_leaves};
 #[cfg(feature = "build")]
 pub(crate) use node::WideNode;
+pub(crate) use node::{CompactNode, FullNode};
 pub(crate) use queries::{All, Answered, AnyQuery, ClosestQuery, answer};
+pub(crate) use refit::refit;
 pub(crate) use traverse::{Query, traverse};
-pub(crate) use triangles::{Blocks, Compact, Layout, TriangleWriter, Triangles};
+pub(crate) use triangles::{Blocks, Compact, TriangleWriter, Triangles, leaf_cost};
 #[cfg(feature = "build")]
 pub(crate) use triangles::{LEAF_COST, TRIANGLE_COST};
 #[cfg(feature = "cache")]

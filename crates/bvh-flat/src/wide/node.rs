@@ -189,18 +189,33 @@ fn references(children: &[Option<Child>]) -> [u32; LANES] {
     std::array::from_fn(|lane| children.get(lane).copied().flatten().map_or(0, |child| child.0))
 }
 
+/// See [`WideNode::orders`]; of equal distances the first lane comes first, and lanes without a child before all others.
 fn orders(bounds: &[Bounds3]) -> [u32; LANES] {
     let mut orders = [0; LANES];
     for octant in 0..8 {
         let sign = [0, 1, 2].map(|i| if octant >> i & 1 == 1 { -1.0 } else { 1.0 });
-        let mut order: [usize; LANES] = std::array::from_fn(|i| i);
-        let distance = |i: &usize| bounds.get(*i).map_or(f32::INFINITY, |b| b.centroid().dot(sign.into()));
-        order.sort_by(|a, b| distance(b).total_cmp(&distance(a)));
-        for (row, lane) in orders.iter_mut().zip(order) {
-            *row |= (lane as u32) << (3 * octant);
+        let distances: [i32; LANES] = std::array::from_fn(|lane| {
+            total_order(bounds.get(lane).map_or(f32::INFINITY, |b| b.centroid().dot(sign.into())))
+        });
+        // How many come before each: no sort, since all comparisons at once are a few instructions.
+        let mut places = [0_i32; LANES];
+        for (other, &distance) in distances.iter().enumerate() {
+            for (lane, place) in places.iter_mut().enumerate() {
+                *place +=
+                    i32::from(distance > distances[lane]) + i32::from(distance == distances[lane] && other < lane);
+            }
+        }
+        for (lane, &place) in places.iter().enumerate() {
+            orders[place as usize % LANES] |= (lane as u32) << (3 * octant);
         }
     }
     orders
+}
+
+/// A whole number that compares as `x` does in the total order of IEEE 754.
+fn total_order(x: f32) -> i32 {
+    let bits = x.to_bits() as i32;
+    bits ^ ((bits >> 31) as u32 >> 1) as i32
 }
 
 #[cfg(test)]

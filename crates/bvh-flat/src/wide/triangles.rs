@@ -1,5 +1,6 @@
 //! Triangles in the leaves of a wide tree.
 
+use std::marker::PhantomData;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -12,7 +13,7 @@ mod checked;
 use super::arena::{Child, Line};
 use super::collapse::{LeafWriter, WideTree};
 use super::node::{CompactNode, FullNode, WideNode};
-use crate::simd::LEAF_NUMBERS;
+use crate::simd::{LANES, LEAF_NUMBERS, prefetch};
 
 #[cfg(feature = "cache")]
 pub(crate) use checked::CheckedLayout;
@@ -29,10 +30,13 @@ pub(crate) trait Layout: Copy + 'static {
     /// Room for the numbers of a leaf where they are not in the arena.
     type Scratch: Scratch;
 
-    /// The words of a leaf.
-    fn words(self, mesh: &TriangleMesh, ids: &[u32]) -> Vec<u32>;
+    /// How many words a leaf of `count` triangles has.
+    fn word_count(count: usize) -> usize;
 
-    /// The numbers of a leaf, as [`block_words`] has them; `None` where there is none.
+    /// Writes the words of a leaf.
+    fn write(mesh: &TriangleMesh, ids: &[u32], words: &mut [u32]);
+
+    /// The numbers of a leaf, as [`write_block`] has them; `None` where there is none.
     fn numbers<'a>(
         triangles: &'a Triangles,
         leaf: Child,
@@ -41,6 +45,11 @@ pub(crate) trait Layout: Copy + 'static {
 
     /// Which of the stored words of a leaf of `count` triangles has the number of one of them.
     fn place_of_id(count: usize, lane: usize) -> usize;
+
+    /// The number of a triangle of a leaf of `count` triangles, as [`write`](Self::write) left it in its words.
+    fn stored_id(words: &[u32], count: usize, lane: usize) -> u32 {
+        words[Self::place_of_id(count, lane)].wrapping_sub(BIAS)
+    }
 
     /// The number of a triangle in its mesh; `None` where there is none.
     #[inline(always)]
@@ -51,7 +60,7 @@ pub(crate) trait Layout: Copy + 'static {
 }
 
 /// What a wide tree over a mesh consists of.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Triangles {
     pub(crate) mesh: Arc<TriangleMesh>,
     pub(crate) tree: WideTree,
@@ -86,8 +95,13 @@ impl Layout for Blocks {
     type Node = FullNode;
     type Scratch = ();
 
-    fn words(self, mesh: &TriangleMesh, ids: &[u32]) -> Vec<u32> {
-        block_words(mesh, ids)
+    #[inline(always)]
+    fn word_count(count: usize) -> usize {
+        1 + 10 * count
+    }
+
+    fn write(mesh: &TriangleMesh, ids: &[u32], words: &mut [u32]) {
+        write_block(mesh, ids, words);
     }
 
     #[inline(always)]
@@ -105,10 +119,18 @@ impl Layout for Compact {
     type Node = CompactNode;
     type Scratch = [f32; LEAF_NUMBERS];
 
+    #[inline(always)]
+    fn word_count(count: usize) -> usize {
+        1 + count
+    }
+
     /// The largest extent, and the numbers.
-    fn words(self, mesh: &TriangleMesh, ids: &[u32]) -> Vec<u32> {
-        let extent = largest_extent(mesh, ids).to_bits();
-        std::iter::once(extent).chain(ids.iter().map(|id| id.wrapping_add(BIAS))).collect()
+    fn write(mesh: &TriangleMesh, ids: &[u32], words: &mut [u32]) {
+        let extents = ids.iter().map(|&id| extent(&mesh.vertices(id as usize)));
+        words[0] = largest(extents).to_bits();
+        for (word, id) in words[1..].iter_mut().zip(ids) {
+            *word = id.wrapping_add(BIAS);
+        }
     }
 
     #[inline(always)]
@@ -154,22 +176,31 @@ fn gather(
 /// y and z, of the second, of the third; and n numbers.
 ///
 /// They are not padded to eight: a load of eight lanes goes on into what follows, and the lanes from n on are masked.
-fn block_words(mesh: &TriangleMesh, ids: &[u32]) -> Vec<u32> {
-    let triangles = ids.iter().map(|&i| mesh.vertices(i as usize));
-    let mut words = vec![largest_extent(mesh, ids).to_bits()];
-    for vertex in 0..3 {
-        for axis in 0..3 {
-            words.extend(triangles.clone().map(|v| v[vertex][axis].to_bits()));
+fn write_block(mesh: &TriangleMesh, ids: &[u32], words: &mut [u32]) {
+    let (first, numbers) = words.split_at_mut(1);
+    let (coordinates, numbers) = numbers.split_at_mut(9 * ids.len());
+    let mut extents = [0.0; LANES];
+    for (lane, (&id, number)) in ids.iter().zip(numbers).enumerate() {
+        let vertices = mesh.vertices(id as usize);
+        extents[lane % LANES] = extent(&vertices);
+        *number = id.wrapping_add(BIAS);
+        for (vertex, v) in vertices.iter().enumerate() {
+            for axis in 0..3 {
+                coordinates[(3 * vertex + axis) * ids.len() + lane] = v[axis].to_bits();
+            }
         }
     }
-    words.extend(ids.iter().map(|id| id.wrapping_add(BIAS)));
-    words
+    first[0] = largest(extents.into_iter()).to_bits();
 }
 
-/// The largest extent of any of the triangles along an axis, rounded up: a difference of two f32 is wrong by half an ulp.
-fn largest_extent(mesh: &TriangleMesh, ids: &[u32]) -> f32 {
-    let extent = |v: [Vec3; 3]| (v[0].max(v[1]).max(v[2]) - v[0].min(v[1]).min(v[2])).max_element();
-    ids.iter().map(|&i| extent(mesh.vertices(i as usize))).fold(0.0, f32::max).next_up()
+/// The largest extent of a triangle along an axis.
+fn extent(v: &[Vec3; 3]) -> f32 {
+    (v[0].max(v[1]).max(v[2]) - v[0].min(v[1]).min(v[2])).max_element()
+}
+
+/// The largest of some extents, rounded up: a difference of two f32 is wrong by half an ulp.
+fn largest(extents: impl Iterator<Item = f32>) -> f32 {
+    extents.fold(0.0, f32::max).next_up()
 }
 
 /// A step to a leaf takes half as much time again as one to a node, whatever it holds; the rest makes the tree that tests
@@ -180,32 +211,68 @@ pub(crate) const LEAF_COST: f64 = 1.5;
 /// What a triangle adds to it.
 pub(crate) const TRIANGLE_COST: f64 = 0.1;
 
+/// What a step to a leaf of `count` triangles costs, where one to a node costs 1.
+pub(crate) fn leaf_cost(count: usize) -> f64 {
+    LEAF_COST + TRIANGLE_COST * count as f64
+}
+
 /// Writes leaves of a layout.
 pub(crate) struct TriangleWriter<'a, Y> {
-    pub(crate) mesh: &'a TriangleMesh,
-    pub(crate) order: &'a [u32],
-    pub(crate) layout: Y,
+    mesh: &'a TriangleMesh,
+    order: &'a [u32],
+    /// Whether a triangle may be in the order more than once.
+    is_split: bool,
+    layout: PhantomData<fn() -> Y>,
+}
+
+impl<'a, Y: Layout> TriangleWriter<'a, Y> {
+    pub(crate) fn new(mesh: &'a TriangleMesh, order: &'a [u32], is_split: bool) -> Self {
+        Self { mesh, order, is_split, layout: PhantomData }
+    }
+
+    /// Asks for triangles that stand behind a leaf's in the order, and for vertices of nearer ones: leaves are written nearly in
+    /// that order, and would spend two thirds of the time waiting.
+    fn prefetch(&self, leaf: &Range<usize>) {
+        const TRIANGLES: usize = 48;
+        const VERTICES: usize = 16;
+        let ahead = |distance: usize| self.order.get(leaf.start + distance..leaf.end + distance).into_iter().flatten();
+        for triangle in ahead(TRIANGLES).filter_map(|&id| self.mesh.triangles().get(id as usize)) {
+            prefetch(triangle);
+        }
+        for triangle in ahead(VERTICES).filter_map(|&id| self.mesh.triangles().get(id as usize)) {
+            triangle.iter().filter_map(|&i| self.mesh.positions().get(i as usize)).for_each(prefetch);
+        }
+    }
+
+    /// The numbers of the triangles at a range of the order, at most eight, each once, and how many they are.
+    fn ids(&self, range: Range<usize>) -> ([u32; LANES], usize) {
+        let (mut ids, mut count) = ([0; LANES], 0);
+        for &id in &self.order[range] {
+            if !(self.is_split && ids[..count].contains(&id)) {
+                ids[count] = id;
+                count += 1;
+            }
+        }
+        (ids, count)
+    }
 }
 
 impl<Y: Layout> LeafWriter for TriangleWriter<'_, Y> {
-    fn write(&self, range: Range<usize>, lines: &mut Vec<Line>) -> (usize, usize) {
-        let place = lines.len();
-        let mut ids: Vec<u32> = Vec::with_capacity(range.len());
-        for id in &self.order[range] {
-            if !ids.contains(id) {
-                ids.push(*id);
-            }
-        }
-        lines.extend(self.layout.words(self.mesh, &ids).chunks(16).map(|chunk| {
-            let mut line = Line::default();
-            line.0[..chunk.len()].copy_from_slice(chunk);
-            line
-        }));
-        (place, ids.len())
+    fn line_count(&self, range: Range<usize>) -> usize {
+        let count = if self.is_split { self.ids(range).1 } else { range.len() };
+        Y::word_count(count).div_ceil(16)
+    }
+
+    fn write(&self, range: Range<usize>, at: usize, lines: &mut [Line]) -> (usize, usize) {
+        self.prefetch(&range);
+        let (ids, count) = self.ids(range);
+        let words: &mut [u32] = bytemuck::cast_slice_mut(lines);
+        Y::write(self.mesh, &ids[..count], &mut words[..Y::word_count(count)]);
+        (at, count)
     }
 
     fn cost(&self, count: usize) -> f64 {
-        LEAF_COST + TRIANGLE_COST * count as f64
+        leaf_cost(count)
     }
 }
 

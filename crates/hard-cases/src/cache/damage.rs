@@ -130,7 +130,7 @@ pub(super) fn other_versions(run: &Run) -> Outcome {
         default.with_buckets(13),
         default.with_costs(0.5, 1.0_f32.next_up()),
         BuildConfig::balanced(),
-        BuildConfig::high_quality(),
+        BuildConfig::highest(),
     ] {
         let loaded = WideMesh::from_bytes(&file, mesh.clone(), Some(&TreeOptions::new(&config, wide)));
         tries.check(variant(&loaded) == "StaleOptions", || format!("{config}: {}", variant(&loaded)));

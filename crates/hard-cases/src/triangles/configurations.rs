@@ -77,7 +77,7 @@ impl Asked {
 
     fn try_all(&self, run: &Run, mesh: Arc<TriangleMesh>, progress: &dyn Fn(f64)) -> Fallible<Findings> {
         let mut findings = Findings::default();
-        let built_in = [BuildConfig::balanced(), BuildConfig::high_quality()];
+        let built_in = [BuildConfig::balanced(), BuildConfig::highest()];
         let configs: Vec<BuildConfig> = configs(run.effort.pick(&LEAVES[2..3], &LEAVES)).chain(built_in).collect();
         for (i, config) in configs.iter().enumerate() {
             let bvh = MeshBvh::build(Arc::clone(&mesh), config)?;

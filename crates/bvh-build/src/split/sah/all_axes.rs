@@ -5,38 +5,85 @@ use geometry::glam::Vec3A;
 
 use super::{Boundary, Limit};
 use crate::BuildConfig;
-use crate::parallel::join;
+use crate::parallel;
 use crate::prim_info::{Bounds3A, Extent, PrimInfo};
 use crate::split::{Split, partition};
 
 /// Splits `prims` between two of the equal buckets over the interval of their centroids on one of the three axes: at
 /// that of all boundaries where the cost is least, of equals at the first along the first axis. `None` where that is
-/// not below `limit`. `CAPACITY` is a power of two, and no less than the number of buckets.
+/// not below `limit`.
+pub(super) fn split(prims: &mut [PrimInfo], extent: &Extent, config: &BuildConfig, limit: Limit) -> Option<Split> {
+    let plane = cheapest_plane(prims, extent, config, limit)?;
+    let middle = partition(prims, |p| !plane.is_behind(p.centroid2()));
+    Some(Split::at(middle, plane.axis, prims))
+}
+
+/// Where primitives are divided.
+#[derive(Clone, Copy)]
+pub(crate) struct Plane {
+    pub(crate) axis: Axis,
+    /// How many primitives are before it.
+    pub(crate) middle: usize,
+    /// The bounds of those before it, and of those behind.
+    pub(crate) bounds: [Bounds3A; 2],
+    grid: Grid,
+    /// The number of the first bucket behind it, and on the other axes infinity.
+    first_behind: Vec3A,
+}
+
+impl Plane {
+    /// Whether the bucket of a primitive with this centroid, doubled, is behind the plane.
+    #[inline]
+    pub(crate) fn is_behind(&self, centroid2: Vec3A) -> bool {
+        self.grid.rounded(centroid2).cmpge(self.first_behind).any()
+    }
+}
+
+/// As [`split`], without moving anything.
+pub(crate) fn cheapest_plane(prims: &[PrimInfo], extent: &Extent, config: &BuildConfig, limit: Limit) -> Option<Plane> {
+    let count = config.buckets_of(prims.len());
+    match count {
+        ..=8 => cheapest_of::<8>(prims, extent, count, limit),
+        9..=16 => cheapest_of::<16>(prims, extent, count, limit),
+        17..=32 => cheapest_of::<32>(prims, extent, count, limit),
+        _ => cheapest_of::<64>(prims, extent, count, limit),
+    }
+}
+
+/// The same of `count` buckets, at most `CAPACITY`, which is a power of two.
 #[inline(never)] // Its arrays are large, and must not lie on the stack once for every level.
-pub(super) fn split<const CAPACITY: usize>(
-    prims: &mut [PrimInfo],
-    extent: &Extent,
-    config: &BuildConfig,
-    limit: Limit,
-) -> Option<Split> {
-    let grid = Grid::<CAPACITY>::new(extent, config.buckets);
-    let buckets = Buckets::of(prims, grid);
-    let (axis, best) = buckets.cheapest_boundary(config.buckets as usize);
-    limit.is_above(best.weight).then(|| {
-        let middle = partition(prims, |p| grid.buckets(p)[axis.index()] < best.place);
-        Split::at(middle, axis, prims)
+fn cheapest_of<const CAPACITY: usize>(prims: &[PrimInfo], extent: &Extent, count: u32, limit: Limit) -> Option<Plane> {
+    let grid = Grid::new(extent, count);
+    let mut buckets = Buckets::<CAPACITY>::EMPTY;
+    buckets.add(prims, grid);
+    let (axis, boundary) = buckets.cheapest_boundary(count as usize);
+    limit.is_above(boundary.weight).then(|| {
+        let (counts, bounds) = (&buckets.counts[axis.index()], &buckets.bounds[axis.index()]);
+        let (a, b) = bounds.split_at(boundary.place);
+        let mut first_behind = Vec3A::INFINITY;
+        first_behind[axis.index()] = ROUNDING + boundary.place as f32;
+        Plane {
+            axis,
+            middle: counts[..boundary.place].iter().sum::<u32>() as usize,
+            bounds: [a, b].map(|side| side.iter().fold(Bounds3A::EMPTY, |all, b| all.union(b))),
+            grid,
+            first_behind,
+        }
     })
 }
 
+/// Adding 2²³ rounds to the nearest whole number and leaves it in the lowest bits: conversion with all its cases is slow.
+const ROUNDING: f32 = 8_388_608.0;
+
 /// Assigns primitives to buckets by their centroids, on each axis.
 #[derive(Clone, Copy)]
-pub(super) struct Grid<const CAPACITY: usize> {
+pub(super) struct Grid {
     low: Vec3A,
     scale: Vec3A,
     last: Vec3A,
 }
 
-impl<const CAPACITY: usize> Grid<CAPACITY> {
+impl Grid {
     pub(super) fn new(extent: &Extent, count: u32) -> Self {
         let low = extent.centroids2.min;
         let scale = Vec3A::splat(count as f32) / (extent.centroids2.max - low);
@@ -45,14 +92,17 @@ impl<const CAPACITY: usize> Grid<CAPACITY> {
 
     /// The bucket on each axis, never one that is not there: the half-open parts of the interval [0, count), as whole
     /// numbers are nearest to them when half is taken off. On an axis without an interval, 0 · ∞ is NaN, of which the
-    /// maximum with 0 is 0. Adding 2²³ rounds to the nearest whole number and leaves it in the lowest bits, since
-    /// conversion with all its cases is slow.
+    /// maximum with 0 is 0.
     #[inline]
-    pub(super) fn buckets(self, p: &PrimInfo) -> [usize; 3] {
-        let b = p.bounds();
-        let place = (b.min + b.max - self.low) * self.scale - Vec3A::splat(0.5);
-        let rounded = place.max(Vec3A::ZERO).min(self.last) + Vec3A::splat(8_388_608.0);
-        rounded.to_array().map(|c| c.to_bits() as usize % CAPACITY)
+    pub(super) fn buckets<const CAPACITY: usize>(self, centroid2: Vec3A) -> [usize; 3] {
+        self.rounded(centroid2).to_array().map(|c| c.to_bits() as usize % CAPACITY)
+    }
+
+    /// The same with 2²³ added.
+    #[inline]
+    fn rounded(self, centroid2: Vec3A) -> Vec3A {
+        let place = (centroid2 - self.low) * self.scale - Vec3A::splat(0.5);
+        place.max(Vec3A::ZERO).min(self.last) + Vec3A::splat(ROUNDING)
     }
 }
 
@@ -63,31 +113,39 @@ struct Buckets<const CAPACITY: usize> {
 }
 
 impl<const CAPACITY: usize> Buckets<CAPACITY> {
-    fn of(prims: &[PrimInfo], grid: Grid<CAPACITY>) -> Self {
-        let mut buckets = Self { counts: [[0; CAPACITY]; 3], bounds: [[Bounds3A::EMPTY; CAPACITY]; 3] };
-        buckets.add(prims, grid);
-        buckets
-    }
+    const EMPTY: Self = Self { counts: [[0; CAPACITY]; 3], bounds: [[Bounds3A::EMPTY; CAPACITY]; 3] };
 
-    fn add(&mut self, prims: &[PrimInfo], grid: Grid<CAPACITY>) {
-        /// Above this, a second thread is worth waking.
-        const SEQUENTIAL: usize = 1 << 16;
-        if prims.len() > SEQUENTIAL {
+    fn add(&mut self, prims: &[PrimInfo], grid: Grid) {
+        if prims.len() > parallel::SEQUENTIAL {
             let (a, b) = prims.split_at(prims.len() / 2);
-            let ((), b) = join(|| self.add(a, grid), || Self::of(b, grid));
-            for axis in 0..3 {
-                for i in 0..CAPACITY {
-                    self.counts[axis][i] += b.counts[axis][i];
-                    self.bounds[axis][i] = self.bounds[axis][i].union(&b.bounds[axis][i]);
-                }
-            }
-            return;
+            let ((), b) = parallel::join(
+                || self.add(a, grid),
+                || {
+                    let mut buckets = Self::EMPTY;
+                    buckets.add(b, grid);
+                    buckets
+                },
+            );
+            return self.unite(&b);
         }
         for p in prims {
             let bounds = p.bounds();
-            for (axis, bucket) in grid.buckets(p).into_iter().enumerate() {
-                self.counts[axis][bucket] += 1;
-                self.bounds[axis][bucket] = self.bounds[axis][bucket].union(&bounds);
+            let [x, y, z] = grid.buckets::<CAPACITY>(bounds.min + bounds.max);
+            // All is read before anything is written: the processor need not find out that the axes are apart.
+            let old = [self.bounds[0][x], self.bounds[1][y], self.bounds[2][z]];
+            let [a, b, c] = old.map(|old| old.union(&bounds));
+            (self.bounds[0][x], self.bounds[1][y], self.bounds[2][z]) = (a, b, c);
+            self.counts[0][x] += 1;
+            self.counts[1][y] += 1;
+            self.counts[2][z] += 1;
+        }
+    }
+
+    fn unite(&mut self, other: &Self) {
+        for axis in 0..3 {
+            for i in 0..CAPACITY {
+                self.counts[axis][i] += other.counts[axis][i];
+                self.bounds[axis][i] = self.bounds[axis][i].union(&other.bounds[axis][i]);
             }
         }
     }

@@ -89,7 +89,7 @@ impl Sorted {
     pub(crate) fn break_ties(&mut self, axis: Axis, prims: &[PrimInfo], begin: usize, end: usize) {
         self.places[axis.index()][begin..end].sort_unstable_by_key(|&place| {
             let p = &prims[place as usize];
-            (ordered_bits(p.centroid2_on(axis)), p.index)
+            (ordered_bits(p.centroid2_on(axis)), p.index())
         });
     }
 

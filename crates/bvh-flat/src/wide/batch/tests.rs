@@ -3,7 +3,8 @@ use std::sync::Arc;
 use geometry::{Hit, Shape, TriangleMesh};
 
 use super::*;
-use crate::wide::{AnyQuery, Blocks, ClosestQuery, Compact, Layout, TriangleWriter, collapse};
+use crate::wide::triangles::Layout;
+use crate::wide::{AnyQuery, Blocks, ClosestQuery, Compact, CompactNode, FullNode, TriangleWriter, collapse};
 use crate::{BuildConfig, FlatBvh, SimdWidth, WideMesh};
 
 /// Numbers in [−1, 1): the crate has no random numbers.
@@ -30,10 +31,9 @@ impl Trees {
         let mesh = Arc::new(mesh);
         let bounds: Vec<_> = (0..mesh.len()).map(|i| mesh.triangle_bounds(i)).collect();
         let bvh = FlatBvh::build(&bounds, &BuildConfig::default(), &()).expect("the default is valid");
-        let order = bvh.order();
-        let blocks = collapse::<<Blocks as Layout>::Node>(&bvh, &TriangleWriter { mesh: &mesh, order, layout: Blocks });
-        let compact =
-            collapse::<<Compact as Layout>::Node>(&bvh, &TriangleWriter { mesh: &mesh, order, layout: Compact });
+        let (nodes, order) = (bvh.nodes(), bvh.order());
+        let blocks = collapse::<FullNode>(nodes, false, &TriangleWriter::<Blocks>::new(&mesh, order, false));
+        let compact = collapse::<CompactNode>(nodes, false, &TriangleWriter::<Compact>::new(&mesh, order, false));
         let triangles = |tree: Option<_>| Triangles { mesh: Arc::clone(&mesh), tree: tree.expect("small") };
         let (blocks, compact) = (triangles(blocks), triangles(compact));
         let wide = WideMesh::build(mesh, &BuildConfig::default()).expect("the default is valid");
@@ -59,7 +59,7 @@ impl Trees {
             if copy == 0 { 8.0 } else { [8.0, 8.0_f32.next_up(), 8.0_f32.next_down()][i as usize % 3] }
         };
         let vertices = |copy: u32| (0..33 * 33).map(move |i| Vec3::new((i % 33) as f32, (i / 33) as f32, z(copy, i)));
-        let positions = vertices(0).chain(vertices(1)).collect();
+        let positions: Vec<Vec3> = vertices(0).chain(vertices(1)).collect();
         let triangles = (0..2 * 32 * 32).flat_map(|i| {
             let vertex = |x: u32, y: u32| 33 * 33 * (i / 1024) + 33 * (i / 32 % 32 + y) + i % 32 + x;
             let [a, b, c, d] = [vertex(0, 0), vertex(1, 0), vertex(1, 1), vertex(0, 1)];

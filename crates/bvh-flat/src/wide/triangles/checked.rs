@@ -1,4 +1,4 @@
-//! What [`Layout::words`] never makes.
+//! What [`Layout::write`] never makes.
 
 use geometry::TriangleMesh;
 
@@ -6,11 +6,8 @@ use super::{BIAS, Blocks, Compact, Layout, gather};
 use crate::simd::LEAF_NUMBERS;
 use crate::wide::node::CheckedNode;
 
-/// A layout whose leaves tell whether they are as `words` makes them.
+/// A layout whose leaves tell whether they are as `write` makes them.
 pub(crate) trait CheckedLayout: Layout<Node: CheckedNode> {
-    /// How many words a leaf of `count` triangles has.
-    fn word_count(count: usize) -> usize;
-
     /// The numbers of a leaf as blocks have them, as far as they are known: those of a compact leaf only with its mesh.
     /// The numbers of the triangles must be in range.
     fn block<'a>(
@@ -31,11 +28,6 @@ pub(crate) trait CheckedLayout: Layout<Node: CheckedNode> {
 }
 
 impl CheckedLayout for Blocks {
-    #[inline(always)]
-    fn word_count(count: usize) -> usize {
-        1 + 10 * count
-    }
-
     #[inline(always)]
     fn block<'a>(
         stored: &'a [f32; LEAF_NUMBERS],
@@ -63,11 +55,6 @@ impl CheckedLayout for Blocks {
 }
 
 impl CheckedLayout for Compact {
-    #[inline(always)]
-    fn word_count(count: usize) -> usize {
-        1 + count
-    }
-
     #[inline(always)]
     fn block<'a>(
         stored: &'a [f32; LEAF_NUMBERS],
