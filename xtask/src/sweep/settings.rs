@@ -155,7 +155,7 @@ const QUICK: Effort = Effort {
     },
 };
 const USUAL: Effort = Effort {
-    rays: 1 << 16,
+    rays: 1 << 15,
     judged_rays: 1024,
     rounds: Rounds { least: 3, most: 15, budget: Duration::from_secs(75) },
     pictures: PictureSizes {
