@@ -180,7 +180,7 @@ impl BuildConfig {
         Self { spatial_splits: Some(splits), ..Self::highest() }
     }
 
-    /// The best tree: as [`high`](Self::high), with [`SpatialSplits`] of smaller nodes too, in five to ten times the time of
+    /// The best tree: as [`high`](Self::high), with [`SpatialSplits`] of smaller nodes too, in four to fourteen times the time of
     /// [`balanced`](Self::balanced).
     pub const fn highest() -> Self {
         Self::new(SplitMethod::Sah)
