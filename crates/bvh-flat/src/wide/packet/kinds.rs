@@ -165,8 +165,10 @@ mod tests {
         let component = |i: u32| [1.0, -1.0, 2.0, -2.0, 0.0, -0.0, 1e-30, f32::NAN, 3.0][i as usize % 9];
         let ray = |i: u32| {
             let direction = [component(i / 8), component(i / 72), component(i / 648)];
-            let (origin, t_max) =
-                ([0.0, if i % 97 == 0 { f32::INFINITY } else { 1.0 }, 0.0], [1.0, -1.0][usize::from(i % 89 == 0)]);
+            let (origin, t_max) = (
+                [0.0, if i.is_multiple_of(97) { f32::INFINITY } else { 1.0 }, 0.0],
+                [1.0, -1.0][usize::from(i.is_multiple_of(89))],
+            );
             RaySegment { origin, t_min: 0.0, direction, t_max }
         };
         for first in (0..8 * 729).step_by(PACKET) {
