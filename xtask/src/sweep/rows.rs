@@ -268,6 +268,28 @@ fn quoted(text: &str) -> String {
     format!("'{}'", text.replace('\'', r"'\''"))
 }
 
+/// What [`Row::figures_of_set`] are.
+pub const FIGURES_OF_SET: [&str; 7] =
+    ["hit %", "closest Mray/s", "any Mray/s", "nodes/ray", "tests/ray", "any nodes/ray", "any tests/ray"];
+
+impl Row<'_> {
+    /// The figures of its `i`-th set of rays, as tables show them.
+    pub fn figures_of_set(&self, i: usize) -> [String; 7] {
+        let set = &self.answers.sets[i];
+        let mean = |n: u64| format!("{:.1}", n as f64 / set.rays.max(1) as f64);
+        let speed = |step: usize| format!("{:.2}", per_second(set.rays, self.timings.step(step)));
+        [
+            format!("{:.1}", 100.0 * set.hits as f64 / set.rays.max(1) as f64),
+            speed(2 * i),
+            speed(2 * i + 1),
+            mean(set.closest_nodes),
+            mean(set.closest_tests),
+            mean(set.any_nodes),
+            mean(set.any_tests),
+        ]
+    }
+}
+
 /// Millions a second; 0 where no time was measured.
 pub fn per_second(count: u64, seconds: f64) -> f64 {
     if seconds > 0.0 { count as f64 / seconds / 1e6 } else { 0.0 }

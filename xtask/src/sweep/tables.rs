@@ -1,7 +1,7 @@
 //! What a sweep says to people on the terminal: tables, and a sentence that decides.
 
 use super::configuration::{KernelName, Promise, Traversal, TreeName};
-use super::rows::{Row, Sweep, per_second};
+use super::rows::{FIGURES_OF_SET, Row, Sweep, per_second};
 use super::verdict;
 use crate::errors::per_million;
 use crate::table::{count, table};
@@ -71,34 +71,12 @@ fn print_traces(sweep: &Sweep) {
     let Some(first) = sweep.rows.first() else { return };
     let [boxes, triangles] = first.traversal.tests();
     println!("\nTrace, 1 thread, {}, {boxes} boxes, {triangles} triangles", first.way());
-    let header = [
-        "split method",
-        "rays",
-        "hit %",
-        "closest Mray/s",
-        "any Mray/s",
-        "nodes/ray",
-        "tests/ray",
-        "any nodes/ray",
-        "any tests/ray",
-    ];
+    let header = [&["split method", "rays"][..], &FIGURES_OF_SET].concat();
     let mut traces = table(&header, 2);
     let alike = |row: &&Row| row.traversal == first.traversal && row.tree.layout == first.tree.layout;
     for row in sweep.rows.iter().filter(alike) {
         for (i, set) in row.answers.sets.iter().enumerate() {
-            let rays = set.rays.max(1) as f64;
-            let mean = |n: u64| format!("{:.1}", n as f64 / rays);
-            traces.add_row([
-                row.tree.describe(),
-                set.name.clone(),
-                format!("{:.1}", 100.0 * set.hits as f64 / rays),
-                format!("{:.2}", per_second(set.rays, row.timings.step(2 * i))),
-                format!("{:.2}", per_second(set.rays, row.timings.step(2 * i + 1))),
-                mean(set.closest_nodes),
-                mean(set.closest_tests),
-                mean(set.any_nodes),
-                mean(set.any_tests),
-            ]);
+            traces.add_row([vec![row.tree.describe(), set.name.clone()], row.figures_of_set(i).into()].concat());
         }
     }
     println!("{traces}");

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::super::rows::{Row, Sweep, per_second};
+use super::super::rows::{FIGURES_OF_SET, Row, Sweep};
 use super::chart::escape;
 use crate::errors::per_million;
 
@@ -113,32 +113,11 @@ pub fn ray_sets(sweep: &Sweep) -> String {
     let mut rows = Vec::new();
     for row in &sweep.rows {
         for (i, set) in row.answers.sets.iter().enumerate() {
-            let mean = |n: u64| format!("{:.1}", n as f64 / set.rays.max(1) as f64);
-            rows.push(vec![
-                row.describe(),
-                set.name.clone(),
-                set.rays.to_string(),
-                format!("{:.1}", 100.0 * set.hits as f64 / set.rays.max(1) as f64),
-                format!("{:.2}", per_second(set.rays, row.timings.step(2 * i))),
-                format!("{:.2}", per_second(set.rays, row.timings.step(2 * i + 1))),
-                mean(set.closest_nodes),
-                mean(set.closest_tests),
-                mean(set.any_nodes),
-                mean(set.any_tests),
-            ]);
+            let mut cells = vec![row.describe(), set.name.clone(), set.rays.to_string()];
+            cells.extend(row.figures_of_set(i));
+            rows.push(cells);
         }
     }
-    let header = [
-        "configuration",
-        "rays",
-        "number",
-        "hit %",
-        "closest Mray/s",
-        "any Mray/s",
-        "nodes/ray",
-        "tests/ray",
-        "any nodes/ray",
-        "any tests/ray",
-    ];
+    let header = [&["configuration", "rays", "number"][..], &FIGURES_OF_SET].concat();
     table(&header, 2, &rows)
 }
