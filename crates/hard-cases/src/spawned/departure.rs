@@ -9,6 +9,9 @@ use primitive::SurfaceInteraction;
 
 use crate::triangles::findings::{Findings, Quantity};
 
+/// How far from the exact point a ray may start, in ulp of the largest coordinate (metric M6).
+pub(super) const DETACHMENT: f64 = 4.0;
+
 /// What of a scene is asked: closest hits and their interactions; who knows the exact answers; and the triangles in the
 /// space of the rays.
 pub(super) struct Scenery<'a> {
@@ -66,8 +69,9 @@ impl Scenery<'_> {
     }
 
     /// A trial: the spawned ray hits no triangle whose plane is not ahead of the exact point, the departed triangle and
-    /// those in its plane among them. Where the spawned ray starts beyond another surface it can do nothing else: that is
-    /// a tunnel, which is counted.
+    /// those in its plane among them. Two things the spawned ray cannot avoid, since f32 has no place for its origin at
+    /// the exact point, and they are counted instead: where it starts beyond another surface (a tunnel), and where it meets
+    /// another one, further away than its origin was moved, edge-on (a graze).
     pub(super) fn judge_acne(
         &self,
         from: &Departure,
@@ -76,23 +80,30 @@ impl Scenery<'_> {
         findings: &mut Findings,
     ) -> Option<Hit> {
         let has_tunneled = self.has_tunneled(from, ray);
-        findings.count("tunnels", u64::from(has_tunneled));
         let hit = (self.closest)(ray, interval);
-        let is_acne = hit.is_some_and(|hit| !self.is_ahead(from.p, ray.direction.as_dvec3(), hit.primitive));
-        findings.count("acne", u64::from(is_acne && !has_tunneled));
-        findings.check(!is_acne || has_tunneled, || {
-            format!("acne: {ray:?} from {} on {} hits {hit:?}", from.p, from.primitive)
-        });
+        let side = hit.map(|hit| self.side(from.p, ray.direction.as_dvec3(), hit.primitive));
+        let is_graze = side == Some(Side::Beyond) && hit.is_some_and(|hit| is_away(from.p, ray, &hit));
+        let is_acne = matches!(side, Some(Side::Within | Side::Beyond)) && !is_graze && !has_tunneled;
+        findings.count("tunnels", u64::from(has_tunneled));
+        findings.count("grazes", u64::from(is_graze && !has_tunneled));
+        findings.count("acne", u64::from(is_acne));
+        findings.check(!is_acne, || format!("acne: {ray:?} from {} on {} hits {hit:?}", from.p, from.primitive));
         hit
     }
 
-    /// Whether the half-line from `p` meets the plane of the triangle beyond `p`. A `p` within 2⁻⁴⁴ of the plane, relative
-    /// to the coordinates, is in it: that is less than 2⁻²⁰ of the spacing of f32.
-    fn is_ahead(&self, p: DVec3, direction: DVec3, primitive: u64) -> bool {
+    /// Where the plane of the triangle is, seen from `p` along `direction`. A `p` within 2⁻⁴⁴ of the plane, relative to the
+    /// coordinates, is in it: that is less than 2⁻²⁰ of the spacing of f32.
+    fn side(&self, p: DVec3, direction: DVec3, primitive: u64) -> Side {
         let v = (self.vertices)(primitive);
         let n = normal(&v);
         let (size, distance) = (v[0].abs().max(p.abs()).max_element(), n.dot(v[0] - p));
-        distance.abs() > size * 2.0_f64.powi(-44) && (distance > 0.0) == (n.dot(direction) > 0.0)
+        if distance.abs() <= size * 2.0_f64.powi(-44) {
+            Side::Within
+        } else if (distance > 0.0) == (n.dot(direction) > 0.0) {
+            Side::Ahead
+        } else {
+            Side::Beyond
+        }
     }
 
     /// Whether there is a surface, other than that of the hit, between the exact point and the spawned origin.
@@ -101,6 +112,20 @@ impl Scenery<'_> {
         let between = self.oracle.all_hits(&back, Interval::up_to(1.0), &mut Tally::default());
         between.iter().any(|hit| hit.primitive != from.primitive)
     }
+}
+
+/// Where a plane is, seen from a point along a direction: the half-line meets it, or starts in it, or leads away from it.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Side {
+    Ahead,
+    Within,
+    Beyond,
+}
+
+/// Whether the spawned `ray` hits further from `p` than its origin may be moved.
+fn is_away(p: DVec3, ray: &Ray, hit: &Hit) -> bool {
+    let at = ray.origin.as_dvec3() + f64::from(hit.t) * ray.direction.as_dvec3();
+    (at - p).abs().max_element() > DETACHMENT * ulp32(p.abs().max_element())
 }
 
 /// The unit normal.
