@@ -104,12 +104,16 @@ impl<L: Lanes> Way<L> {
                 _ => Some(Next::Down(node.child(met.trailing_zeros()))),
             };
         }
-        for lane in LanesOf(met) {
+        // Before the nearest is known. Two, most often, and so without a branch.
+        arena.prefetch(node.child(met.trailing_zeros()).place());
+        arena.prefetch(node.child(others.trailing_zeros()).place());
+        let more = others & (others - 1);
+        for lane in LanesOf(more) {
             arena.prefetch(node.child(lane as u32).place());
         }
         let nearest = L::least_met(slabs.entry, met) as u32;
         let next = node.child(nearest);
-        if !Q::ORDERED || others & (others - 1) == 0 {
+        if !Q::ORDERED || more == 0 {
             stack.push::<L>(children, slabs.entry, met & !(1 << nearest))?;
         } else {
             let orders = L::load_u32(node.orders());

@@ -31,5 +31,5 @@ mod tests;
 
 pub use enclosure::{Enclosure, meets_plane_before};
 pub(crate) use ray::exact_weights;
-pub use ray::{ExactRay, HitLanes, ValueLanes, intersect_triangle_exact, values_of_hit};
+pub use ray::{ExactRay, HitLanes, ValueLanes, are_coplanar, intersect_triangle_exact, values_of_hit};
 pub use tier::{Tier, TierCounts, TierObserver};

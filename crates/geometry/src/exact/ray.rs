@@ -139,6 +139,11 @@ impl ExactRay {
             observer.decided(Tier::Certificate);
             return if a.high < b.low { Ordering::Less } else { Ordering::Greater };
         }
+        // A tile on a floor, a wall modelled twice: more than a third of the time of random rays in such halls without it.
+        if are_coplanar(a_vertices, b_vertices) {
+            observer.decided(Tier::Certificate);
+            return Ordering::Equal;
+        }
         observer.decided(Tier::Exact);
         self.line.cmp_hits(a_vertices, b_vertices)
     }
@@ -177,6 +182,15 @@ impl ExactRay {
             _ => high,
         }
     }
+}
+
+/// Whether two triangles are seen to lie in one plane: that of a coordinate which all vertices have in common, or that of the
+/// same vertices. A ray that hits both, neither of them edge-on, does so at the same t*.
+///
+/// `false` says nothing. No error is possible, since nothing is computed.
+pub fn are_coplanar(a: &[Vec3; 3], b: &[Vec3; 3]) -> bool {
+    let is_in_plane = |axis: usize| a.iter().chain(b).all(|v| v[axis] == a[0][axis]);
+    (0..3).any(is_in_plane) || b.iter().all(|v| a.contains(v))
 }
 
 /// The [values](ExactRay::values) of a triangle that the ray is known to hit, given by the coordinates of its vertices in the

@@ -8,7 +8,7 @@ use glam::{DVec3, Vec3};
 use super::enclosure::{Enclosure, meets_plane_before};
 use super::rational::Line;
 use super::sheared::Frame;
-use super::{ExactRay, Tier, TierCounts, TierObserver, intersect_triangle_exact};
+use super::{ExactRay, Tier, TierCounts, TierObserver, are_coplanar, intersect_triangle_exact};
 use crate::{Bounds3, Interval, Ray, TraversalRay};
 
 /// A small generator: the crate has no random numbers.
@@ -310,4 +310,27 @@ fn what_is_no_triangle_is_not_hit() {
     let t = |interval| intersect_triangle_exact(&ray, &[Vec3::ZERO, Vec3::X, Vec3::Y], interval).map(|h| h.t);
     assert_eq!([t(Interval::up_to(1.0)), t(Interval::new(1.0, 2.0)), t(Interval::EMPTY)], [None; 3]);
     assert_eq!(t(Interval::new(1.0_f32.next_down(), 1.0_f32.next_up())), Some(1.0));
+}
+
+/// Ties that are seen without arithmetic are those that exact numbers find, and nearly equal ones are not taken for ties.
+#[test]
+fn coplanar_triangles_are_hit_at_the_same_parameter() {
+    let floor = [Vec3::new(-1.0, 0.25, -1.0), Vec3::new(2.0, 0.25, -1.0), Vec3::new(-1.0, 0.25, 2.0)];
+    let tile = [Vec3::new(-0.5, 0.25, -0.7), Vec3::new(0.9, 0.25, -0.5), Vec3::new(-0.3, 0.25, 1.1)];
+    let slanted = [Vec3::new(-1.0, 0.3, -1.0), Vec3::new(2.0, 0.1, -1.0), Vec3::new(-1.0, 0.2, 2.0)];
+    let turned = [slanted[2], slanted[0], slanted[1]];
+    let mut above = tile;
+    above[1].y = above[1].y.next_up();
+    let ray = TraversalRay::new(&Ray::new([0.03, 3.0, 0.01], [0.013, -1.0, 0.007])).unwrap();
+    let exact = ExactRay::new(&ray, &Bounds3::from_points([floor, tile, slanted, above].concat()));
+    let hit = |v: &[Vec3; 3]| exact.intersect_triangle(v, Interval::FULL, &mut ()).unwrap();
+    for (a, b, is_coplanar) in
+        [(floor, tile, true), (slanted, turned, true), (slanted, floor, false), (floor, above, false)]
+    {
+        assert_eq!(are_coplanar(&a, &b), is_coplanar);
+        assert_eq!(are_coplanar(&b, &a), is_coplanar);
+        let order = exact.compare((&hit(&a), &a), (&hit(&b), &b), &mut ());
+        assert_eq!(order, exact.line().cmp_hits(&a, &b), "{a:?} {b:?}");
+        assert_eq!(order.is_eq(), is_coplanar);
+    }
 }
