@@ -104,7 +104,10 @@ impl<L: Lanes> Way<L> {
                 _ => Some(Next::Down(node.child(met.trailing_zeros()))),
             };
         }
-        // Before the nearest is known. Two, most often, and so without a branch.
+        // Before the nearest is known, and two without a branch, since most often it is two. Rejected, in geometric mean over
+        // sponza, kitchen, bunny, dragon and terrain-rainier: none (5 % more speed for sponza's primary rays, as much less where
+        // memory is slow, on dragon); the last of the stack alone (1 % less), and the next one with each that is taken from it
+        // (2 %); all but the nearest (3 %); two lines of each instead of four (1 %).
         arena.prefetch(node.child(met.trailing_zeros()).place());
         arena.prefetch(node.child(others.trailing_zeros()).place());
         let more = others & (others - 1);
