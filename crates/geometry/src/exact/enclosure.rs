@@ -1,5 +1,7 @@
 //! Two numbers around the exact parameter of a hit.
 
+use std::cmp::Ordering;
+
 use glam::{DVec3, Vec3};
 
 use super::rational::Line;
@@ -63,20 +65,20 @@ impl Enclosure {
     }
 }
 
-/// Whether a ray meets the plane of a triangle before `t` for certain, so that the triangle is not hit from there on. The
-/// triangle that a ray has just left is met a few ulp before 0, which is too near for f32, and needs neither edges nor a
-/// division.
+/// The order of the parameter where a ray meets the plane of a triangle, and `t`, where f64 is certain of it. The triangle that
+/// a ray has just left is met a few ulp before or after 0, which is too near for f32, and needs neither edges nor a division.
 ///
 /// With the notation and the errors of `Enclosure::of_plane`, t* < t where n·p − t n·d and n·d have different signs; the
 /// first is wrong by 8u S·|p| + 8u t S·|d| to first order, its own difference included, and so by less than 10u of both.
 #[inline]
-pub fn meets_plane_before(ray: &TraversalRay, vertices: &[Vec3; 3], t: f32) -> bool {
+pub fn cmp_plane(ray: &TraversalRay, vertices: &[Vec3; 3], t: f32) -> Option<Ordering> {
     let plane = Plane::new(&Line { origin: ray.origin64(), direction: ray.direction64() }, vertices);
     let t = f64::from(t);
     let beyond = plane.numerator - t * plane.denominator;
     let error = plane.numerator_error + t.abs() * plane.denominator_error;
     let is_certain = (beyond.abs() > error) & (plane.denominator.abs() > plane.denominator_error);
-    is_certain & ((beyond < 0.0) != (plane.denominator < 0.0))
+    let is_less = (beyond < 0.0) != (plane.denominator < 0.0);
+    is_certain.then_some(if is_less { Ordering::Less } else { Ordering::Greater })
 }
 
 /// n·p and n·d, each with a bound on its error: see [`Enclosure::of_plane`].

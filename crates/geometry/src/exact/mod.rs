@@ -29,7 +29,7 @@ mod tier;
 #[cfg(test)]
 mod tests;
 
-pub use enclosure::{Enclosure, meets_plane_before};
+pub use enclosure::{Enclosure, cmp_plane};
 pub(crate) use ray::exact_weights;
 pub use ray::{ExactRay, HitLanes, ValueLanes, are_coplanar, intersect_triangle_exact, values_of_hit};
 pub use tier::{Tier, TierCounts, TierObserver};

@@ -318,16 +318,17 @@ impl<L: Lanes> Packets<L> {
                 if hit.maybe == 0 {
                     continue;
                 }
-                let is_inside =
-                    L::lt(group.t_min, hit.low) & L::lt(hit.high, group.end) & L::lt(hit.high, L::splat(f32::MAX));
-                let is_first = L::lt(hit.high, group.low);
-                let sure = hit.sure & is_inside & is_first;
+                let is_before_end = L::lt(hit.high, group.end) & L::lt(hit.high, L::splat(f32::MAX));
+                let closest = hit.sure & is_before_end & L::lt(hit.high, group.low);
+                let sure = closest & L::lt(group.t_min, hit.low);
                 let hits = Hits::of(child, triangle, primitive, vertices);
                 group.set_found(sure, &hits, [hit.low, hit.high]);
                 for lane in LanesOf(hit.maybe & !sure) {
+                    let is_closest = closest >> lane & 1 == 1;
+                    let bounds = is_closest.then_some([L::to_array(hit.low)[lane], L::to_array(hit.high)[lane]]);
                     let progress = Progress { found: group.found(lane), t_max: L::to_array(group.t_max)[lane] };
                     let ray = &rays[usize::from(group.index[lane])];
-                    if let Some([low, high]) = undecided::<Q>(triangles, ray, progress, child, triangle) {
+                    if let Some([low, high]) = undecided::<Q>(triangles, ray, progress, (child, triangle), bounds) {
                         group.set_found(1 << lane, &hits, [L::splat(low), L::splat(high)]);
                     }
                 }
@@ -359,12 +360,12 @@ fn undecided<'a, Q: Answered<'a>>(
     triangles: &'a Triangles,
     ray: &RaySegment,
     progress: Progress,
-    leaf: Child,
-    lane: usize,
+    (leaf, lane): (Child, usize),
+    bounds: Option<[f32; 2]>,
 ) -> Option<[f32; 2]> {
     let (ray, interval) = prepared(ray)?;
     let mut query = Q::resumed(Asked::new(triangles, &ray, interval), progress);
-    query.undecided(&ray, leaf, lane);
+    query.undecided(&ray, leaf, lane, bounds);
     let Progress { found, t_max } = query.progress();
     found.filter(|found| found.leaf == leaf && found.lane == lane).map(|found| [found.low, t_max])
 }

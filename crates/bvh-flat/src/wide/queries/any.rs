@@ -1,5 +1,6 @@
 //! Whether there is any hit.
 
+use std::cmp::Ordering;
 use std::ops::ControlFlow;
 
 use geometry::TraversalRay;
@@ -36,8 +37,13 @@ impl<'a, Y: Layout> Answered<'a> for AnyQuery<'a, Y> {
     }
 
     #[inline(always)]
-    fn undecided(&mut self, ray: &TraversalRay, leaf: Child, lane: usize) {
-        if !self.asked.is_before(ray, leaf, lane) && self.decide(ray, leaf, lane) {
+    fn undecided(&mut self, ray: &TraversalRay, leaf: Child, lane: usize, bounds: Option<[f32; 2]>) {
+        let is_hit = match self.asked.cmp_to_start(ray, leaf, lane) {
+            Some(Ordering::Less) => false,
+            Some(Ordering::Greater) if bounds.is_some() => true,
+            _ => self.decide(ray, leaf, lane),
+        };
+        if is_hit {
             self.found = Some(Found { leaf, lane, low: 0.0 });
         }
     }
@@ -70,10 +76,12 @@ impl<Y: Layout> Query for AnyQuery<'_, Y> {
         let t_max = self.asked.interval.t_max();
         if let Some(Candidates { maybe, sure, low, high }) = self.asked.candidates::<L>(leaf, t_max) {
             for lane in LanesOf(maybe) {
-                if sure >> lane & 1 == 1 && self.asked.is_inside(low[lane], high[lane]) {
-                    self.found = Some(Found { leaf, lane, low: low[lane] });
+                let (low, high) = (low[lane], high[lane]);
+                let is_sure = sure >> lane & 1 == 1 && self.asked.is_before_end(high);
+                if is_sure && self.asked.is_behind_start(low) {
+                    self.found = Some(Found { leaf, lane, low });
                 } else {
-                    self.undecided(ray, leaf, lane);
+                    self.undecided(ray, leaf, lane, is_sure.then_some([low, high]));
                 }
                 if self.found.is_some() {
                     return ControlFlow::Break(());

@@ -42,9 +42,14 @@ impl<'a, Y: Layout> Answered<'a> for ClosestQuery<'a, Y> {
     }
 
     #[inline(always)]
-    fn undecided(&mut self, ray: &TraversalRay, leaf: Child, lane: usize) {
-        if !self.is_found_again(leaf, lane) && !self.asked.is_before(ray, leaf, lane) {
-            self.decide(ray, leaf, lane);
+    fn undecided(&mut self, ray: &TraversalRay, leaf: Child, lane: usize, bounds: Option<[f32; 2]>) {
+        if self.is_found_again(leaf, lane) {
+            return;
+        }
+        match (self.asked.cmp_to_start(ray, leaf, lane), bounds) {
+            (Some(Ordering::Less), _) => (),
+            (Some(Ordering::Greater), Some(bounds)) => self.find(leaf, lane, bounds),
+            _ => self.decide(ray, leaf, lane),
         }
     }
 
@@ -104,11 +109,11 @@ impl<Y: Layout> Query for ClosestQuery<'_, Y> {
                     continue;
                 }
                 let is_first = self.found.as_ref().is_none_or(|found| high < found.low);
-                if is_sure && is_first && self.asked.is_inside(low, high) {
-                    (self.found, self.enclosure) = (Some(Found { leaf, lane, low }), None);
-                    self.t_max = high;
+                let is_closest = is_sure && is_first && self.asked.is_before_end(high);
+                if is_closest && self.asked.is_behind_start(low) {
+                    self.find(leaf, lane, [low, high]);
                 } else if !is_sure || self.found.is_none() || !self.is_tie(leaf, lane) {
-                    self.undecided(ray, leaf, lane);
+                    self.undecided(ray, leaf, lane, is_closest.then_some([low, high]));
                 }
             }
         }
@@ -117,6 +122,13 @@ impl<Y: Layout> Query for ClosestQuery<'_, Y> {
 }
 
 impl<Y: Layout> ClosestQuery<'_, Y> {
+    /// Takes a triangle that is the closest so far, with bounds of its t*.
+    #[inline(always)]
+    fn find(&mut self, leaf: Child, lane: usize, [low, high]: [f32; 2]) {
+        (self.found, self.enclosure) = (Some(Found { leaf, lane, low }), None);
+        self.t_max = high;
+    }
+
     /// Whether a triangle is the closest so far, met again in another leaf.
     #[inline(always)]
     fn is_found_again(&self, leaf: Child, lane: usize) -> bool {
