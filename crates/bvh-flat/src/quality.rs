@@ -182,7 +182,7 @@ mod tests {
     #[test]
     fn the_part_of_a_triangle_in_a_box_has_the_area_it_has() {
         let triangle = [Vec3::ZERO, 2.0 * Vec3::X, 2.0 * Vec3::Y];
-        let within = |min: [f32; 3], max: [f32; 3]| area_within(&triangle, &Bounds3::new(min.into(), max.into()));
+        let within = |min: [f32; 3], max: [f32; 3]| area_within(&triangle, &Bounds3::new(min, max));
         assert_eq!(within([0.0; 3], [2.0; 3]), 2.0);
         assert_eq!(within([0.0; 3], [1.0; 3]), 1.0);
         assert_eq!(within([0.5, 0.5, -1.0], [9.0; 3]), 0.5);

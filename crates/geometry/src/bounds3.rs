@@ -28,8 +28,8 @@ impl Bounds3 {
     pub const EMPTY: Self = Self { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
 
     /// The box between two corners; empty where `min > max` on any axis.
-    pub const fn new(min: Vec3, max: Vec3) -> Self {
-        Self { min, max }
+    pub fn new(min: impl Into<Vec3>, max: impl Into<Vec3>) -> Self {
+        Self { min: min.into(), max: max.into() }
     }
 
     /// The smallest box that contains all of `points`; NaN coordinates among them make a box that is not
@@ -129,7 +129,7 @@ impl Bounds3 {
 mod tests {
     use super::*;
 
-    const UNIT: Bounds3 = Bounds3::new(Vec3::ZERO, Vec3::ONE);
+    const UNIT: Bounds3 = Bounds3 { min: Vec3::ZERO, max: Vec3::ONE };
 
     #[test]
     fn empty_is_neutral_and_contains_nothing() {

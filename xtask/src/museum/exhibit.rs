@@ -108,7 +108,7 @@ impl Sight {
 /// A scene that answers: as the textbook does, as the library does, and exactly.
 pub struct Trial {
     pub naive: Result<Textbook, Trouble>,
-    pub ours: Arc<dyn Primitive + Send + Sync>,
+    pub ours: Arc<dyn Primitive>,
     truth: Box<dyn Oracle>,
 }
 
@@ -117,7 +117,7 @@ impl Trial {
         let surface = Surface::of_material(MaterialId::from_index(0).expect("an index below the last"));
         let media = MediumInterface::VACUUM;
         let config = BuildConfig::balanced();
-        let ours: Arc<dyn Primitive + Send + Sync> = match shapes {
+        let ours: Arc<dyn Primitive> = match shapes {
             Shapes::Triangles(mesh) => {
                 Arc::new(GeometricPrimitive::new(WideMesh::build(Arc::clone(mesh), &config)?, surface, media))
             }
