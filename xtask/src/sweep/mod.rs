@@ -12,6 +12,7 @@ mod lines;
 pub mod merge;
 mod occlusion;
 mod plan;
+mod quality;
 pub mod report;
 mod results;
 mod rows;
