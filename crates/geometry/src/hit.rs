@@ -84,6 +84,12 @@ pub struct MappedVisitor<'a, F> {
     map: F,
 }
 
+impl<F> std::fmt::Debug for MappedVisitor<'_, F> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("MappedVisitor").finish_non_exhaustive()
+    }
+}
+
 impl<'a, F: Fn(Hit) -> Hit> MappedVisitor<'a, F> {
     /// Tells `visitor` of `map(hit)` for every hit.
     pub fn new(visitor: &'a mut dyn HitVisitor, map: F) -> Self {

@@ -44,7 +44,8 @@ impl SurfaceInteraction {
         self.point.uv
     }
 
-    /// A ray that leaves the surface here towards `direction`, at the same time.
+    /// A ray that leaves the surface here towards `direction`, of any length, at the same time. Where that is NaN,
+    /// infinite or zero, so is the ray's, which then hits nothing.
     ///
     /// Its origin is moved along the normal, to the side of `direction`, until the box `p ± p_error` lies behind the
     /// plane through it; each coordinate that moves is rounded away from the surface. This is pbrt's OffsetRayOrigin
