@@ -133,7 +133,8 @@ const STYLE: &str = "\
 .museum a{color:var(--link)}\
 .museum .scroll{overflow-x:auto}\
 .museum table{border-collapse:collapse;font-size:.9rem}\
-.museum th{text-align:left}.museum th,.museum td{padding:.25rem .8rem .25rem 0;border-bottom:1px solid var(--line)}\
+.museum th,.museum td{padding:.25rem .8rem .25rem 0;text-align:left;white-space:normal;\
+border-bottom:1px solid var(--line)}\
 .museum .n{text-align:right;white-space:nowrap;font-variant-numeric:tabular-nums}\
 .museum article{margin:2.5rem 0;max-width:54rem;break-inside:avoid}\
 .museum article h2,.museum article h3{margin:0 0 .2rem;padding:0;border:0;font-size:1.2rem;line-height:1.25}\
