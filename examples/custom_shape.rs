@@ -3,7 +3,7 @@
 use std::error::Error;
 use std::ops::ControlFlow;
 
-use bvh_flat::geometry::glam::{DVec3, Vec2, dvec3, vec3};
+use bvh_flat::geometry::glam::{DVec3, Vec2, dvec3};
 use bvh_flat::primitive::{GeometricPrimitive, MaterialId, MediumInterface, Primitive, Surface};
 use bvh_flat::{BuildConfig, BvhAggregate, WideMesh, geometry::*};
 
@@ -17,7 +17,7 @@ fn distance(p: DVec3) -> f64 {
 
 impl Shape for Torus {
     fn object_bound(&self) -> Bounds3 {
-        Bounds3::new(vec3(-1.25, -0.25, -1.25), vec3(1.25, 0.25, 1.25))
+        Bounds3::new([-1.25, -0.25, -1.25], [1.25, 0.25, 1.25])
     }
 
     // Sphere tracing from the box on: where it ends depends on the ray alone, as it must.

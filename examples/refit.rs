@@ -7,27 +7,28 @@ use bvh_flat::{BuildConfig, WideMesh};
 
 const SIZE: u32 = 64;
 
-/// A sheet that is rolled up as time goes on from 0 to 1.
-fn sheet(time: f32) -> Result<TriangleMesh, Box<dyn Error>> {
+/// The vertices of a sheet that is rolled up as time goes on from 0 to 1.
+fn positions(time: f32) -> impl Iterator<Item = [f32; 3]> {
     let positions = (0..=SIZE).flat_map(|y| (0..=SIZE).map(move |x| [x, y].map(|i| i as f32 / SIZE as f32)));
-    let positions = positions.map(|[x, y]| {
+    positions.map(move |[x, y]| {
         let (angle, radius) = (12.0 * time * x, 1.0 - 0.8 * x);
         if time == 0.0 { [x, 0.0, y] } else { [radius * angle.sin(), radius * (1.0 - angle.cos()), y] }
-    });
+    })
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
     let triangles = (0..SIZE * SIZE).flat_map(|i| {
         let a = i / SIZE * (SIZE + 1) + i % SIZE;
         [[a, a + 1, a + SIZE + 2], [a, a + SIZE + 2, a + SIZE + 1]]
     });
-    Ok(TriangleMesh::new(positions, triangles.collect())?)
-}
+    let sheet = TriangleMesh::new(positions(0.0), triangles.collect())?;
 
-fn main() -> Result<(), Box<dyn Error>> {
     // Without spatial splits, whose pieces of triangles cannot be moved.
     let config = BuildConfig::balanced();
-    let mut tree = WideMesh::build(sheet(0.0)?, &config)?;
+    let mut tree = WideMesh::build(sheet.clone(), &config)?;
     let mut cost = 1.0;
     for frame in 1..=10 {
-        let moved = sheet(frame as f32 / 10.0)?;
+        let moved = sheet.clone().with_positions(positions(frame as f32 / 10.0))?;
         // As a part of the cost before this step: all steps since the last build are multiplied.
         cost *= tree.refit(moved.clone())?;
         let is_bad = cost > 2.0;

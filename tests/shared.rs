@@ -4,15 +4,15 @@ use std::sync::Arc;
 
 use bvh_flat::cache::CacheError;
 use bvh_flat::geometry::{
-    AnimatedTransform, AnimatedTransformError, Bounds3, ClosestHit, FirstHit, Hit, MeshError, Naive, Ray, Sphere,
-    SphereError, SurfacePoint, Transform, TransformError, TraversalRay, TriangleMesh, Watertight,
+    AnimatedTransform, AnimatedTransformError, Bounds3, ClosestHit, FirstHit, Hit, MeshError, Naive, Ray, Shape,
+    Sphere, SphereError, SurfacePoint, Transform, TransformError, TraversalRay, TriangleMesh, Watertight,
 };
 use bvh_flat::primitive::{
     GeometricPrimitive, MediumBoundary, Primitive, PrimitiveList, Surface, SurfaceInteraction, TransformedPrimitive,
 };
 use bvh_flat::{
     BuildConfig, BuildError, BvhAggregate, ExactMesh, FlatBvh, InvalidBvh, InvalidWideTree, MeshBvh, RaySegment,
-    SimdWidth, WideMesh,
+    RefitError, SimdWidth, WideMesh,
 };
 
 fn is_shared<T: Send + Sync + 'static>() {}
@@ -24,11 +24,11 @@ fn data_trees_and_errors_are_send_and_sync() {
     is_shared::<(WideMesh, MeshBvh<Watertight>, MeshBvh<Naive>, ExactMesh, FlatBvh)>();
     is_shared::<(BuildConfig, RaySegment, SimdWidth)>();
     is_shared::<(SurfaceInteraction, Surface, MediumBoundary)>();
-    is_shared::<(BuildError, CacheError, InvalidBvh, InvalidWideTree)>();
+    is_shared::<(BuildError, CacheError, InvalidBvh, InvalidWideTree, RefitError)>();
     is_shared::<(MeshError, SphereError, TransformError, AnimatedTransformError)>();
 
     type Mesh = GeometricPrimitive<WideMesh>;
     is_shared::<(BvhAggregate<Mesh>, PrimitiveList<Mesh>)>();
     is_shared::<BvhAggregate<TransformedPrimitive<Arc<BvhAggregate<Mesh>>>>>();
-    is_shared::<BvhAggregate<Box<dyn Primitive + Send + Sync>>>();
+    is_shared::<(BvhAggregate<Box<dyn Primitive>>, GeometricPrimitive<Arc<dyn Shape>>)>();
 }

@@ -6,6 +6,13 @@ use std::process::Command;
 use anyhow::{Context, Result, ensure};
 use clap::Args;
 
+/// The library's crates.
+const CRATES: [&str; 4] = ["geometry", "primitive", "bvh-build", "bvh-flat"];
+
+/// Machines unlike this one: no threads and no files, other lanes, no reads at an offset. The library is checked for those of
+/// which the toolchain has the standard library.
+const TARGETS: [&str; 3] = ["wasm32-unknown-unknown", "aarch64-unknown-linux-gnu", "x86_64-pc-windows-gnu"];
+
 #[derive(Args)]
 pub struct Arguments {
     /// Print the steps and run none
@@ -45,25 +52,42 @@ impl Step {
 
 pub fn run(arguments: &Arguments) -> Result<()> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().context("the workspace is around the runner")?;
-    let steps = steps(root)?;
+    let (installed, absent): (Vec<&str>, Vec<&str>) = TARGETS.into_iter().partition(|target| is_installed(target));
+    let steps = steps(root, &installed)?;
     for (i, step) in (1..).zip(&steps) {
         println!("{i}/{}  {}", steps.len(), step.line());
         if !arguments.list {
             step.run(root)?;
         }
     }
+    for target in absent {
+        println!("not checked for {target}: rustup target add {target}");
+    }
     Ok(())
 }
 
-fn steps(root: &Path) -> Result<Vec<Step>> {
+/// Whether the toolchain has the standard library of a target.
+fn is_installed(target: &str) -> bool {
+    let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
+    let output = Command::new(rustc).args(["--print", "target-libdir", "--target", target]).output();
+    output.is_ok_and(|output| Path::new(String::from_utf8_lossy(&output.stdout).trim()).is_dir())
+}
+
+fn steps(root: &Path, targets: &[&str]) -> Result<Vec<Step>> {
     let mut steps = vec![
         Step::new("fmt --all --check"),
         Step::new("clippy --locked --workspace --all-targets -- -D warnings"),
         Step { environment: Some(("RUSTDOCFLAGS", "-D warnings")), ..Step::new("doc --locked --workspace --no-deps") },
     ];
     // Each of the library's crates by itself, as its users have it.
-    for name in ["geometry", "primitive", "bvh-build", "bvh-flat"] {
+    for name in CRATES {
         steps.push(Step::new(&format!("check --locked -p {name} --no-default-features")));
+    }
+    for target in targets {
+        for name in CRATES {
+            steps.push(Step::new(&format!("check --locked -p {name} --no-default-features --target {target}")));
+        }
+        steps.push(Step::new(&format!("check --locked -p bvh-flat --all-features --target {target}")));
     }
     // The README's two commands. The first with few rays: that it runs is what is asked here, not how fast.
     steps.push(Step::new("xtask sweep --rays 2048 --rounds 1 --out target/sweep/ci"));
@@ -93,10 +117,34 @@ fn examples(directory: &Path) -> Result<Vec<String>> {
 mod tests {
     use super::*;
 
+    /// A crate is the library's if one may depend on it: `bvh-flat`, and all that it depends on.
+    #[test]
+    fn every_crate_is_built_alone_for_every_target() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("a workspace");
+        let steps = steps(root, &TARGETS).expect("the examples are there");
+        let lines: Vec<String> = steps.iter().map(Step::line).collect();
+        let (mut names, mut next) = (vec!["bvh-flat".to_owned()], 0);
+        while let Some(name) = names.get(next) {
+            let manifest = std::fs::read_to_string(root.join(format!("crates/{name}/Cargo.toml"))).expect("is there");
+            let manifest: toml::Table = manifest.parse().expect("is TOML");
+            let dependencies = manifest["dependencies"].as_table().expect("is a table");
+            let own = dependencies.keys().filter(|name| root.join("crates").join(name).is_dir());
+            let new: Vec<String> = own.filter(|name| !names.contains(name)).cloned().collect();
+            names.extend(new);
+            next += 1;
+        }
+        assert!(names.len() >= 4, "{names:?}");
+        for name in names {
+            let line = format!("cargo check --locked -p {name} --no-default-features");
+            assert!(lines.contains(&line), "{line}");
+            assert!(TARGETS.iter().all(|target| lines.contains(&format!("{line} --target {target}"))), "{line}");
+        }
+    }
+
     #[test]
     fn every_example_is_run() {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("a workspace");
-        let lines: Vec<String> = steps(root).expect("the examples are there").iter().map(Step::line).collect();
+        let lines: Vec<String> = steps(root, &[]).expect("the examples are there").iter().map(Step::line).collect();
         let manifest = std::fs::read_to_string(root.join("examples/Cargo.toml")).expect("the manifest is there");
         let names: Vec<&str> =
             manifest.lines().filter_map(|l| l.strip_prefix("path = \"")?.strip_suffix(".rs\"")).collect();

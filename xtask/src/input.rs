@@ -86,10 +86,16 @@ pub enum SplitMethodName {
     Middle,
     /// Half of the primitives on each side
     EqualCounts,
+    /// A preset: the fastest builds, by HLBVH
+    Fastest,
+    /// A preset: HLBVH, and a pass of reinsertion
+    Fast,
     /// A preset: SAH over more buckets, on all axes
     Balanced,
-    /// A preset: SAH with spatial splits and reinsertion, the best trees
+    /// A preset: SAH with reinsertion, and spatial splits of large nodes
     High,
+    /// A preset: spatial splits of small nodes too, the best trees
+    Highest,
 }
 
 impl SplitMethodName {
@@ -100,8 +106,11 @@ impl SplitMethodName {
             Self::Hlbvh => "hlbvh",
             Self::Middle => "middle",
             Self::EqualCounts => "equal-counts",
+            Self::Fastest => "fastest",
+            Self::Fast => "fast",
             Self::Balanced => "balanced",
             Self::High => "high",
+            Self::Highest => "highest",
         }
     }
 
@@ -111,8 +120,11 @@ impl SplitMethodName {
             Self::Hlbvh => BuildConfig::new(SplitMethod::Hlbvh),
             Self::Middle => BuildConfig::new(SplitMethod::Middle),
             Self::EqualCounts => BuildConfig::new(SplitMethod::EqualCounts),
+            Self::Fastest => BuildConfig::fastest(),
+            Self::Fast => BuildConfig::fast(),
             Self::Balanced => BuildConfig::balanced(),
             Self::High => BuildConfig::high(),
+            Self::Highest => BuildConfig::highest(),
         }
     }
 }

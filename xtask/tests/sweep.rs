@@ -78,6 +78,7 @@ fn sweep_prints_its_tables_and_writes_its_results() {
         "watertight",
         "moller-trumbore",
         "vertex leaks",
+        "EPO",
         "price",
         "verdict",
         "0 (<",
@@ -94,8 +95,13 @@ fn sweep_prints_its_tables_and_writes_its_results() {
     let widths = bvh_flat::SimdWidth::available();
     assert_eq!(lines.lines().count(), 16 * (widths.len() + 5) + 4 * 3);
     let mut hashes = BTreeMap::new();
+    let mut costs: BTreeMap<(String, String), f64> = BTreeMap::new();
     for line in lines.lines() {
         let value: Value = serde_json::from_str(line).expect("JSON");
+        let [cost, epo] = ["expected_cost", "effective_primitive_overlap"].map(|name| value[name].as_f64());
+        let leaves: u64 = value["leaf_histogram"].as_array().into_iter().flatten().filter_map(Value::as_u64).sum();
+        assert!(cost.is_some_and(|x| x > 1.0) && epo.is_some_and(|x| x > 0.0) && leaves > 1000, "{line}");
+        costs.insert((value["layout"].to_string(), value["split_method"].to_string()), cost.unwrap_or_default());
         let [layout, width, triangles] = ["layout", "simd_width", "triangle_test"].map(|name| value[name].as_str());
         match layout {
             Some("wide" | "compact") => {
@@ -117,10 +123,39 @@ fn sweep_prints_its_tables_and_writes_its_results() {
             assert_eq!(value["leaks"]["vertices"][0], 0);
         }
     }
+    // What half of the primitives on each side costs, by the heuristic that the others go by.
+    for layout in ["\"wide\"", "\"binary\""] {
+        let cost = |method: &str| costs[&(layout.to_owned(), format!("\"{method}\""))];
+        assert!(cost("sah") < cost("equal-counts"), "{costs:?}");
+    }
     // Naive kernels are seen to leak, and watertight ones are not.
     let page = read(&latest.join("report.html"));
     assert!(page.contains("watertight kernels: 0 rays lost, in 0 pixels"));
     assert!(page.contains("naive kernels: ") && !page.contains("naive kernels: 0 rays"));
+}
+
+/// Every preset is a way to build, and each makes a tree of its own.
+#[test]
+fn presets_are_ways_to_build() {
+    let folder = directory();
+    let presets = "fastest,fast,balanced,high,highest";
+    let sweep = "sweep builtin:terrain:5k --layout wide --simd-width portable --calls single --rays 64 --judged-rays 8 \
+                 --rounds 1 --pictures false --cache false --out out --split-method";
+    let words: Vec<&str> = sweep.split_whitespace().chain([presets]).collect();
+    let (code, text) = run(&words, folder.path());
+    assert_eq!(code, 0, "{text}");
+    let lines = read(&folder.path().join("out/results.jsonl"));
+    let mut costs = BTreeMap::new();
+    for line in lines.lines() {
+        let value: Value = serde_json::from_str(line).expect("JSON");
+        costs.insert(value["split_method"].as_str().expect("a name").to_owned(), value["expected_cost"].to_string());
+    }
+    assert_eq!(costs.len(), 5, "{costs:?}");
+    assert_ne!(costs["fastest"], costs["balanced"]);
+    assert_ne!(costs["fastest"], costs["fast"]);
+    let page = read(&folder.path().join("out/report.html"));
+    assert!(presets.split(',').all(|preset| page.contains(&format!("</svg>{preset}</li>"))), "all are in the legend");
+    assert!(!page.contains("<section class=\"museum\">"), "no pictures, no museum");
 }
 
 /// The page needs nothing but itself, and has every number as text.
@@ -130,8 +165,15 @@ fn the_report_is_one_file_with_its_numbers() {
     let (code, text) = run(&small("out", &[]), folder.path());
     assert_eq!(code, 0, "{text}");
     let page = read(&folder.path().join("out/report.html"));
-    for foreign in ["<script", "<link", "src=\"http", "href=\"http", "url(", "@import", "<iframe", "NaN", "inf<"] {
+    let (measured, museum) = page.split_once("<section class=\"museum\">").expect("the museum is a part of the page");
+    assert!(!measured.contains("NaN") && !measured.contains("inf<"));
+    for foreign in ["<script", "<link", "src=\"http", "href=\"http", "url(", "@import", "<iframe"] {
+        // What one may follow is not what the page needs: the museum's threads.
+        let page = page.replace("<a href=\"https://github.com/", "");
         assert!(!page.contains(foreign), "{foreign}");
+    }
+    for exhibit in ["museum-edges", "museum-chain", "museum-nan"] {
+        assert!(museum.contains(&format!("<article id=\"{exhibit}\">")), "{exhibit}");
     }
     let count = |words: &str| page.matches(words).count();
     assert_eq!(

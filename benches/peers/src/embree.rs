@@ -4,7 +4,7 @@
 //! it, which may be null.
 #![expect(unsafe_code, reason = "a C library can be called in no other way")]
 
-use std::ffi::{c_char, c_void};
+use std::ffi::{OsString, c_char, c_void};
 use std::ptr::{null, null_mut};
 use std::sync::atomic::{AtomicIsize, Ordering};
 
@@ -80,20 +80,24 @@ macro_rules! c_function {
 }
 
 impl Embree {
-    /// The newest that is installed.
+    /// The one that the variable `EMBREE_LIBRARY` names, or else the newest that is installed.
     pub fn open() -> Option<Self> {
-        ["libembree4.so.4", "libembree4.so", "libembree3.so.3", "libembree3.so", "libembree4.dylib", "embree4.dll"]
-            .iter()
-            .find_map(|name| {
-                // SAFETY: a library of this name is Embree, whose initialisers have no conditions.
-                let library = unsafe { Library::new(name) }.ok()?;
-                let mut embree = Self { library: Box::leak(Box::new(library)), version: 0 };
-                let device = embree.device()?;
-                let property = c_function!(embree, "rtcGetDeviceProperty", extern "C" fn(Handle, u32) -> isize)?;
-                embree.version = property(device, 0);
-                c_function!(embree, "rtcReleaseDevice", extern "C" fn(Handle))?(device);
-                (30_000..50_000).contains(&embree.version).then_some(embree)
-            })
+        let installed =
+            ["libembree4.so.4", "libembree4.so", "libembree3.so.3", "libembree3.so", "libembree4.dylib", "embree4.dll"];
+        let names: Vec<OsString> = match std::env::var_os("EMBREE_LIBRARY") {
+            Some(own) => vec![own],
+            None => installed.map(OsString::from).into(),
+        };
+        names.into_iter().find_map(|name| {
+            // SAFETY: a library of this name is Embree, whose initialisers have no conditions.
+            let library = unsafe { Library::new(name) }.ok()?;
+            let mut embree = Self { library: Box::leak(Box::new(library)), version: 0 };
+            let device = embree.device()?;
+            let property = c_function!(embree, "rtcGetDeviceProperty", extern "C" fn(Handle, u32) -> isize)?;
+            embree.version = property(device, 0);
+            c_function!(embree, "rtcReleaseDevice", extern "C" fn(Handle))?(device);
+            (30_000..50_000).contains(&embree.version).then_some(embree)
+        })
     }
 
     pub fn version(&self) -> String {

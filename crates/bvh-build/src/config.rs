@@ -65,6 +65,7 @@ pub enum MortonBits {
 /// The parameters of a build. Begin with [`BuildConfig::new`] or the default, and change what matters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
+#[must_use]
 pub struct BuildConfig {
     /// How nodes are divided.
     pub split_method: SplitMethod,

@@ -63,6 +63,8 @@
 //! Invariants of this crate: it sees bounds and returns a tree over their indices. It knows no primitive and no file,
 //! prints nothing, reads no clock (a [`BuildObserver`] may), and never panics on input.
 
+#![warn(missing_debug_implementations, clippy::return_self_not_must_use)]
+
 mod binned;
 mod builder;
 mod config;

@@ -86,7 +86,7 @@ impl Bounds3A {
     pub(crate) const EMPTY: Self = Self { min: Vec3A::INFINITY, max: Vec3A::NEG_INFINITY };
 
     pub(crate) fn to_bounds(self) -> Bounds3 {
-        Bounds3::new(self.min.into(), self.max.into())
+        Bounds3::new(self.min, self.max)
     }
 
     /// The extent on each axis.

@@ -8,6 +8,8 @@
 //! radix sort. It prints nothing, reads no clock, and never panics on input. `unsafe` code is in the module
 //! `simd`, and with the feature `mmap` in `mapped`.
 
+#![warn(missing_debug_implementations, clippy::return_self_not_must_use)]
+
 mod aggregate;
 #[cfg(feature = "cache")]
 pub mod cache;

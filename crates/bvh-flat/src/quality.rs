@@ -1,12 +1,12 @@
 //! How good a tree is, in numbers.
 
-use std::ops::Range;
+mod boxes;
 
-use geometry::glam::{DVec3, Vec3};
-use geometry::{Bounds3, TriangleMesh};
+use geometry::TriangleMesh;
 
-use crate::parallel::join;
-use crate::{FlatBvh, LinearBvhNode};
+use crate::{FlatBvh, WideMesh};
+
+pub(crate) use boxes::Boxes;
 
 /// What a node costs a ray that meets it, where testing a primitive costs 1: pbrt's t_trav, as in the default configuration.
 const NODE_COST: f64 = 0.5;
@@ -15,10 +15,10 @@ const NODE_COST: f64 = 0.5;
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct TreeQuality {
-    /// The expected cost of a random ray through the root's box: the sum of p · 1/2 over the interior nodes and of p · n over the
-    /// leaves of n primitives, where p is a node's surface area as a part of the root's. 0 where the root has no area.
+    /// The expected cost of a random ray through the root's box, by the surface area heuristic: the sum over all nodes of what a
+    /// node costs times its surface area, as a part of the root's. 0 where the root has no area.
     pub sah_cost: f64,
-    /// By how much children overlap: the surface areas of what both children of a node have in common, over all interior
+    /// By how much children overlap: the surface areas of what any two children of a node have in common, over all interior
     /// nodes, as a part of the root's. 0 where the root has no area.
     pub overlap: f64,
     /// How many leaves have 0, 1, 2, … primitives, up to the largest.
@@ -26,25 +26,10 @@ pub struct TreeQuality {
 }
 
 impl FlatBvh {
-    /// How good the tree is, as far as its boxes tell. Linear in the number of nodes.
+    /// How good the tree is, as far as its boxes tell. An interior node costs 1/2 and a leaf the number of its primitives, as in
+    /// the default configuration. Linear in the number of nodes.
     pub fn quality(&self) -> TreeQuality {
-        let mut quality = TreeQuality::default();
-        for (i, node) in self.nodes().iter().enumerate() {
-            if node.is_leaf() {
-                let count = node.range().len();
-                if quality.leaf_histogram.len() <= count {
-                    quality.leaf_histogram.resize(count + 1, 0);
-                }
-                quality.leaf_histogram[count] += 1;
-            } else {
-                let [a, b] = [i + 1, node.second_child()].map(|child| self.nodes()[child].bounds());
-                quality.overlap += Bounds3::new(a.min.max(b.min), a.max.min(b.max)).surface_area();
-            }
-            quality.sah_cost += cost(node) * node.bounds().surface_area();
-        }
-        let area = self.bounds().surface_area();
-        let part = |sum: f64| if area > 0.0 { sum / area } else { 0.0 };
-        TreeQuality { sah_cost: part(quality.sah_cost), overlap: part(quality.overlap), ..quality }
+        self.boxes().quality()
     }
 
     /// The effective primitive overlap of the tree over a mesh: the surface of the triangles that lies in the box of a node
@@ -58,112 +43,52 @@ impl FlatBvh {
     ///
     /// `None` where the mesh has another number of triangles than the tree has primitives.
     pub fn effective_primitive_overlap(&self, mesh: &TriangleMesh) -> Option<f64> {
-        if mesh.len() != self.primitive_count() as usize {
-            return None;
-        }
-        let mut references: Vec<(u32, u32)> = (0..).zip(self.order()).map(|(place, &i)| (i, place)).collect();
-        references.sort_unstable();
-        let ranges = ranges(self.nodes());
-        let overlap = Overlap { nodes: self.nodes(), ranges: &ranges, mesh };
-        let triangles: Vec<&[(u32, u32)]> = references.chunk_by(|a, b| a.0 == b.0).collect();
-        let [overlapping, all] = overlap.sum(&triangles);
-        Some(if all > 0.0 { overlapping / all } else { 0.0 })
-    }
-}
-
-/// What a node costs a ray that meets it.
-fn cost(node: &LinearBvhNode) -> f64 {
-    if node.is_leaf() { node.range().len() as f64 } else { NODE_COST }
-}
-
-/// The places in the order of all that is below each node.
-fn ranges(nodes: &[LinearBvhNode]) -> Vec<Range<u32>> {
-    let mut ranges = vec![0..0; nodes.len()];
-    // Children lie behind their parents, so from the back every child is ready before its parent.
-    for (i, node) in nodes.iter().enumerate().rev() {
-        ranges[i] = if node.is_leaf() {
-            node.range().start as u32..node.range().end as u32
-        } else {
-            ranges[i + 1].start..ranges[node.second_child()].end
-        };
-    }
-    ranges
-}
-
-struct Overlap<'a> {
-    nodes: &'a [LinearBvhNode],
-    ranges: &'a [Range<u32>],
-    mesh: &'a TriangleMesh,
-}
-
-impl Overlap<'_> {
-    /// The overlap of triangles, each with its places in the order, and their area.
-    fn sum(&self, triangles: &[&[(u32, u32)]]) -> [f64; 2] {
-        const SEQUENTIAL: usize = 256;
-        if triangles.len() <= SEQUENTIAL {
-            return triangles.iter().fold([0.0; 2], |sum, references| {
-                let vertices = self.mesh.vertices(references[0].0 as usize);
-                [sum[0] + self.of(&vertices, references), sum[1] + area(&vertices.map(Vec3::as_dvec3))]
-            });
-        }
-        let (a, b) = triangles.split_at(triangles.len() / 2);
-        let (a, b) = join(|| self.sum(a), || self.sum(b));
-        [a[0] + b[0], a[1] + b[1]]
+        let is_built_over_as_many = mesh.len() == self.primitive_count() as usize;
+        is_built_over_as_many.then(|| self.boxes().effective_primitive_overlap(mesh))
     }
 
-    /// The overlap of one triangle.
-    fn of(&self, vertices: &[Vec3; 3], references: &[(u32, u32)]) -> f64 {
-        let mut sum = 0.0;
-        let mut pending = vec![0];
-        while let Some(i) = pending.pop() {
-            let node = &self.nodes[i];
-            let inside = area_within(vertices, &node.bounds());
-            if inside == 0.0 {
+    fn boxes(&self) -> Boxes {
+        let mut boxes = Boxes::default();
+        // Interior nodes that are begun, each with how many of its children are still to come.
+        let mut open: Vec<(usize, u8)> = Vec::new();
+        for node in self.nodes() {
+            if !node.is_leaf() {
+                open.push((boxes.begin(node.bounds(), NODE_COST), 2));
                 continue;
             }
-            if !references.iter().any(|(_, place)| self.ranges[i].contains(place)) {
-                sum += cost(node) * inside;
-            }
-            if !node.is_leaf() {
-                pending.extend([node.second_child(), i + 1]);
+            let primitives = &self.order()[node.range()];
+            boxes.leaf(node.bounds(), primitives.len() as f64, primitives.iter().copied());
+            while let Some((parent, to_come)) = open.last_mut() {
+                *to_come -= 1;
+                if *to_come > 0 {
+                    break;
+                }
+                boxes.end(*parent);
+                open.pop();
             }
         }
-        sum
+        boxes
     }
 }
 
-/// The area of the part of a triangle that is within bounds: Sutherland and Hodgman's clipping, in f64.
-fn area_within(vertices: &[Vec3; 3], bounds: &Bounds3) -> f64 {
-    let mut polygon: Vec<DVec3> = vertices.map(Vec3::as_dvec3).into();
-    for axis in 0..3 {
-        for (plane, sign) in [(f64::from(bounds.min[axis]), 1.0), (f64::from(bounds.max[axis]), -1.0)] {
-            let inside = |p: DVec3| sign * (p[axis] - plane);
-            let mut clipped = Vec::with_capacity(polygon.len() + 1);
-            for (i, &p) in polygon.iter().enumerate() {
-                let before = polygon[(i + polygon.len() - 1) % polygon.len()];
-                let (d, d_before) = (inside(p), inside(before));
-                if (d < 0.0) != (d_before < 0.0) {
-                    clipped.push(before + (p - before) * (d_before / (d_before - d)));
-                }
-                if d >= 0.0 {
-                    clipped.push(p);
-                }
-            }
-            polygon = clipped;
-        }
+impl WideMesh {
+    /// How good the tree is, as far as its boxes tell. A node costs 1, and a leaf what its size costs where the build weighs it.
+    /// Linear in the number of nodes.
+    pub fn quality(&self) -> TreeQuality {
+        self.boxes().quality()
     }
-    area(&polygon)
-}
 
-/// The area of a plane polygon; 0 of fewer than three points.
-fn area(polygon: &[DVec3]) -> f64 {
-    let Some(&first) = polygon.first() else { return 0.0 };
-    let edges = polygon.windows(2).map(|edge| (edge[0] - first).cross(edge[1] - first));
-    0.5 * edges.sum::<DVec3>().length()
+    /// The effective primitive overlap, as [`FlatBvh::effective_primitive_overlap`] has it, at the costs of
+    /// [`quality`](Self::quality).
+    pub fn effective_primitive_overlap(&self) -> f64 {
+        self.boxes().effective_primitive_overlap(self.mesh())
+    }
 }
 
 #[cfg(all(test, feature = "build"))]
 mod tests {
+    use geometry::glam::Vec3;
+
     use super::*;
     use crate::{BuildConfig, SplitMethod};
 
@@ -177,17 +102,6 @@ mod tests {
         let corners = |i: u32| [[0.0, 0.0], [leg, 0.0], [0.0, leg]].map(|[x, y]| Vec3::new(2.0 * i as f32 + x, y, 0.0));
         let indices = (0..count).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
         TriangleMesh::new((0..count).flat_map(corners), indices).expect("in range")
-    }
-
-    #[test]
-    fn the_part_of_a_triangle_in_a_box_has_the_area_it_has() {
-        let triangle = [Vec3::ZERO, 2.0 * Vec3::X, 2.0 * Vec3::Y];
-        let within = |min: [f32; 3], max: [f32; 3]| area_within(&triangle, &Bounds3::new(min.into(), max.into()));
-        assert_eq!(within([0.0; 3], [2.0; 3]), 2.0);
-        assert_eq!(within([0.0; 3], [1.0; 3]), 1.0);
-        assert_eq!(within([0.5, 0.5, -1.0], [9.0; 3]), 0.5);
-        assert_eq!(within([0.0, 0.0, 0.1], [2.0; 3]), 0.0);
-        assert_eq!(within([1.5, 1.5, -1.0], [2.0, 2.0, 1.0]), 0.0);
     }
 
     #[test]
@@ -234,6 +148,33 @@ mod tests {
             (bvh.quality(), bvh.effective_primitive_overlap(&mesh).expect("as many"))
         });
         assert!(good.0.sah_cost < bad.0.sah_cost && good.1 < bad.1, "{good:?} {bad:?}");
+        let [wide, bad_wide] = [BuildConfig::default(), BuildConfig::new(SplitMethod::EqualCounts)].map(|config| {
+            let wide = WideMesh::build(mesh.clone(), &config).expect("valid");
+            (wide.quality(), wide.effective_primitive_overlap())
+        });
+        assert!(wide.0.sah_cost < bad_wide.0.sah_cost && wide.1 < bad_wide.1, "{wide:?} {bad_wide:?}");
         assert_eq!(good.0.leaf_histogram.iter().enumerate().map(|(n, &c)| n as u32 * c).sum::<u32>(), 600);
+    }
+
+    /// What a wide tree says of itself is what its build has worked for: the cost that is kept with it.
+    #[cfg(feature = "cache")]
+    #[test]
+    fn wide_trees_cost_what_they_are_expected_to() {
+        let mesh = std::sync::Arc::new(row(500, 3.0));
+        for layout in crate::WideLayout::ALL {
+            let config = BuildConfig::default();
+            let wide = WideMesh::build_observed(std::sync::Arc::clone(&mesh), &config, layout, &()).expect("valid");
+            let (quality, steps) = (wide.quality(), wide.tree().expected_steps);
+            // Quantised boxes are larger than those that the build weighed.
+            let more = if layout == crate::WideLayout::Compact { 1.1 } else { 1.0 + 1e-9 };
+            assert!(
+                (steps * (1.0 - 1e-9)..steps * more).contains(&quality.sah_cost),
+                "{layout:?}: {quality:?} {steps}"
+            );
+            let counts = (0..).zip(&quality.leaf_histogram);
+            assert_eq!(counts.map(|(n, &count)| n * count).sum::<u32>(), 500);
+            assert!(quality.leaf_histogram.len() <= 9 && quality.overlap > 0.0);
+            assert!(wide.effective_primitive_overlap() > 0.0);
+        }
     }
 }

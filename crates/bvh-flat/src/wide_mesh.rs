@@ -13,13 +13,14 @@ use rayon::slice::{ParallelSlice, ParallelSliceMut};
 #[cfg(feature = "build")]
 use geometry::clipped_triangle_bounds;
 
+use crate::quality::Boxes;
 use crate::refit::ratio;
 #[cfg(feature = "build")]
 use crate::simd::LANES;
 use crate::simd::SimdWidth;
 use crate::wide::{
     All, Answered, AnyQuery, BinaryTree, Blocks, ClosestQuery, Compact, CompactNode, FullNode, LARGE, TriangleWriter,
-    Triangles, answer, answer_many, collapse, leaf_cost, refit, with_small_leaves,
+    Triangles, answer, answer_many, boxes, collapse, leaf_cost, refit, with_small_leaves,
 };
 #[cfg(feature = "build")]
 use crate::wide::{LEAF_COST, MAX_LINES, TRIANGLE_COST, WideNode};
@@ -214,6 +215,13 @@ impl WideMesh {
     /// What is kept beside the mesh itself, in bytes.
     pub fn memory(&self) -> usize {
         self.triangles.tree.arena.memory()
+    }
+
+    pub(crate) fn boxes(&self) -> Boxes {
+        match self.layout {
+            WideLayout::Blocks => boxes::<Blocks>(&self.triangles.tree),
+            WideLayout::Compact => boxes::<Compact>(&self.triangles.tree),
+        }
     }
 
     /// The closest hit of each ray, as [`intersect`](Shape::intersect) finds it, bit for bit; as many as there are of both.

@@ -22,6 +22,7 @@ impl Axis {
     }
 
     /// The axis after this one, cyclically.
+    #[must_use]
     pub const fn next(self) -> Axis {
         match self {
             Axis::X => Axis::Y,

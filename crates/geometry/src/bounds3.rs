@@ -28,8 +28,8 @@ impl Bounds3 {
     pub const EMPTY: Self = Self { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
 
     /// The box between two corners; empty where `min > max` on any axis.
-    pub const fn new(min: Vec3, max: Vec3) -> Self {
-        Self { min, max }
+    pub fn new(min: impl Into<Vec3>, max: impl Into<Vec3>) -> Self {
+        Self { min: min.into(), max: max.into() }
     }
 
     /// The smallest box that contains all of `points`; NaN coordinates among them make a box that is not
@@ -58,12 +58,15 @@ impl Bounds3 {
             && self.max.cmple(Vec3::splat(MAX_COORDINATE)).all()
     }
 
-    /// The smallest box that contains both.
+    /// The smallest box that contains both. Of NaN and a number either may be taken: a [valid](Self::is_valid) box has
+    /// no NaN, and [`from_points`](Self::from_points) hides none.
+    #[must_use]
     pub fn union(&self, other: &Self) -> Self {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
-    /// The smallest box that contains this one and `p`.
+    /// The smallest box that contains this one and `p`; NaN as for [`union`](Self::union).
+    #[must_use]
     pub fn union_point(&self, p: Vec3) -> Self {
         Self { min: self.min.min(p), max: self.max.max(p) }
     }
@@ -100,7 +103,8 @@ impl Bounds3 {
         }
     }
 
-    /// Where `p` lies relative to the corners: 0 at `min`, 1 at `max`; 0 on an axis without extent.
+    /// Where `p` lies relative to the corners: 0 at `min`, 1 at `max`, beyond these outside of the box. 0 on an axis without
+    /// extent; NaN elsewhere where `p` is.
     pub fn offset(&self, p: Vec3) -> Vec3 {
         let d = self.diagonal();
         let o = p - self.min;
@@ -129,7 +133,7 @@ impl Bounds3 {
 mod tests {
     use super::*;
 
-    const UNIT: Bounds3 = Bounds3::new(Vec3::ZERO, Vec3::ONE);
+    const UNIT: Bounds3 = Bounds3 { min: Vec3::ZERO, max: Vec3::ONE };
 
     #[test]
     fn empty_is_neutral_and_contains_nothing() {

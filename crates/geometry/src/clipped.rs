@@ -51,7 +51,7 @@ fn bounds_between(vertices: &[Vec3; 3], axis: usize, [low, high]: [f64; 2]) -> B
         }
     }
     let slack = 16.0 * f64::EPSILON * largest;
-    let ([min, max], round) = ([min - slack, max + slack], |p: DVec3, f: fn(f64) -> f32| p.to_array().map(f).into());
+    let ([min, max], round) = ([min - slack, max + slack], |p: DVec3, f: fn(f64) -> f32| p.to_array().map(f));
     Bounds3::new(round(min, round_down), round(max, round_up))
 }
 

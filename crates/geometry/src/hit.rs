@@ -11,12 +11,14 @@ use crate::Interval;
 pub struct Hit {
     /// The ray's parameter, in multiples of its direction's length.
     pub t: f32,
-    /// First surface parameter: a triangle's barycentric of its second vertex; 0 for a sphere.
+    /// First surface parameter: a triangle's barycentric of its second vertex, in [0, 1]; 0 for a sphere. What a renderer
+    /// has for each vertex (shading normals, colours) is (1 − u − v) a + u b + v c.
     pub u: f32,
-    /// Second surface parameter: a triangle's barycentric of its third vertex; 0 for a sphere.
+    /// Second surface parameter: a triangle's barycentric of its third vertex, in [0, 1]; 0 for a sphere.
     pub v: f32,
     /// The index of the primitive in the depth-first order of whatever was asked: a triangle's index in its mesh; in an
-    /// aggregate of aggregates the children's counts add up, an instance counting like a copy.
+    /// aggregate of aggregates the children's counts add up, an instance counting like a copy. An aggregate's list
+    /// (`member_of`) says which member that is, and which primitive of the member.
     pub primitive: u64,
 }
 
@@ -80,6 +82,12 @@ impl std::ops::AddAssign for Work {
 pub struct MappedVisitor<'a, F> {
     visitor: &'a mut dyn HitVisitor,
     map: F,
+}
+
+impl<F> std::fmt::Debug for MappedVisitor<'_, F> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("MappedVisitor").finish_non_exhaustive()
+    }
 }
 
 impl<'a, F: Fn(Hit) -> Hit> MappedVisitor<'a, F> {

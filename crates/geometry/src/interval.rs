@@ -40,6 +40,7 @@ impl Interval {
     }
 
     /// The same lower end with another upper end.
+    #[must_use]
     pub fn with_t_max(&self, t_max: f32) -> Self {
         Self::new(self.t_min, t_max)
     }

@@ -12,6 +12,8 @@
 //! Invariants of this crate: it knows no primitive, no tree, no file and no thread; it prints nothing, reads no clock,
 //! and never panics on input.
 
+#![warn(missing_debug_implementations, clippy::return_self_not_must_use)]
+
 mod animated_transform;
 mod axis;
 mod bounds3;

@@ -30,7 +30,7 @@ impl Ray {
     }
 
     /// The point `origin + t · direction`, computed in f32; a hit's position comes more exactly from its
-    /// [`Shape`](crate::Shape).
+    /// [`Shape`](crate::Shape). With two roundings a coordinate; not finite where that overflows or anything is not.
     pub fn at(&self, t: f32) -> Vec3 {
         self.origin + t * self.direction
     }

@@ -7,8 +7,12 @@ use crate::{Bounds3, ClosestHit, FirstHit, Hit, HitVisitor, Interval, Transform,
 /// Something with a surface that a ray can meet: pbrt's Shape. It may consist of many primitives, as a mesh does.
 ///
 /// Everything is in the shape's object space. Which hits a shape reports must be a function of the ray alone; the
-/// interval only selects among them. Then the closest of many does not depend on the order of testing.
-pub trait Shape {
+/// interval only selects among them. And no hit has a `t` below the entry of the ray into
+/// [`object_bound`](Self::object_bound), as [`TraversalRay::enter`] computes it, which a shape of your own keeps to by
+/// `t.max(entry)`. Then the closest of many depends neither on the order of testing nor on a tree.
+///
+/// Shapes are shared by threads: what a query wants to remember belongs into its visitor.
+pub trait Shape: Send + Sync {
     /// A box around the shape in object space; [`Bounds3::EMPTY`] where there is nothing to hit.
     fn object_bound(&self) -> Bounds3;
 

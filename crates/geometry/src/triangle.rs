@@ -66,7 +66,7 @@ pub fn triangle_bounds(vertices: &[Vec3; 3]) -> Bounds3 {
     let growth = Vec3A::splat((max - min).max_element() * (4.0 * f32::EPSILON));
     let low = Vec3A::from_array((min - growth).to_array().map(next_down)).max(-limit);
     let high = Vec3A::from_array((max + growth).to_array().map(|x| -next_down(-x))).min(limit);
-    Bounds3::new(low.into(), high.into())
+    Bounds3::new(low, high)
 }
 
 /// [`f32::next_down`] of a finite number, without a branch.

@@ -43,6 +43,14 @@ pub enum MeshError {
         /// How many.
         count: usize,
     },
+    /// Positions are to take the place of another number of them.
+    #[error("{found} positions cannot replace {expected}: there must be one for each vertex")]
+    PositionCount {
+        /// How many there were.
+        expected: usize,
+        /// How many were given.
+        found: usize,
+    },
     /// There is not one texture coordinate for each vertex.
     #[error("{uv_count} texture coordinates for {vertex_count} vertices: there must be one for each")]
     UvCount {
@@ -54,7 +62,16 @@ pub enum MeshError {
 }
 
 impl TriangleMesh {
-    /// A mesh of `triangles` over `positions`.
+    /// A mesh of `triangles` over `positions`. Flat arrays, as loaders give them, are taken apart on the way:
+    ///
+    /// ```
+    /// # use geometry::TriangleMesh;
+    /// let positions: Vec<f32> = vec![0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+    /// let indices: Vec<u32> = vec![0, 1, 2];
+    /// let mesh = TriangleMesh::new(positions.as_chunks().0.iter().copied::<[f32; 3]>(), indices.as_chunks().0.to_vec())?;
+    /// # assert_eq!((mesh.len(), mesh.positions().len()), (1, 3));
+    /// # Ok::<(), geometry::MeshError>(())
+    /// ```
     ///
     /// # Errors
     /// [`MeshError::IndexOutOfRange`] for the first index that names no vertex, [`MeshError::TooLarge`].
@@ -81,11 +98,25 @@ impl TriangleMesh {
     ///
     /// # Errors
     /// [`MeshError::UvCount`] where their number is not that of the vertices.
-    pub fn with_uvs(self, uvs: Vec<Vec2>) -> Result<Self, MeshError> {
+    pub fn with_uvs(self, uvs: impl IntoIterator<Item = impl Into<Vec2>>) -> Result<Self, MeshError> {
+        let uvs: Vec<Vec2> = uvs.into_iter().map(Into::into).collect();
         if uvs.len() != self.positions.len() {
             return Err(MeshError::UvCount { uv_count: uvs.len(), vertex_count: self.positions.len() });
         }
         Ok(Self { uvs: Some(uvs), ..self })
+    }
+
+    /// The same triangles and texture coordinates where the vertices are elsewhere: the next frame of a mesh that deforms.
+    ///
+    /// # Errors
+    /// [`MeshError::PositionCount`] where their number is not that of the vertices.
+    pub fn with_positions(self, positions: impl IntoIterator<Item = impl Into<Vec3>>) -> Result<Self, MeshError> {
+        let (positions, expected): (Vec<Vec3>, _) =
+            (positions.into_iter().map(Into::into).collect(), self.positions.len());
+        if positions.len() != expected {
+            return Err(MeshError::PositionCount { expected, found: positions.len() });
+        }
+        Ok(Self { positions, ..self })
     }
 
     /// The vertices' positions.
@@ -201,6 +232,14 @@ mod tests {
         assert_eq!(e, MeshError::IndexOutOfRange { triangle: 1, index: 3, vertex_count: 3 });
         assert!(e.to_string().contains("triangle 1 uses vertex 3"));
         assert!(quad(&[0.0]).with_uvs(vec![Vec2::ZERO]).is_err());
+    }
+
+    #[test]
+    fn vertices_move_and_keep_everything_else() {
+        let quads = quad(&[0.0, 1.0]).with_uvs([[0.25, 0.5]; 8]).expect("as many");
+        let moved = quads.clone().with_positions(quads.positions().iter().map(|&p| p + Vec3::Z)).expect("as many");
+        assert_eq!(moved, quad(&[1.0, 2.0]).with_uvs([[0.25, 0.5]; 8]).expect("as many"));
+        assert_eq!(quads.with_positions([[0.0; 3]]), Err(MeshError::PositionCount { expected: 8, found: 1 }));
     }
 
     #[test]

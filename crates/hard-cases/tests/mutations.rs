@@ -195,7 +195,7 @@ struct OwnRule<S, R> {
     rule: R,
 }
 
-impl<S: Shape, R: Fn(&Hit, &Hit) -> bool> Shape for OwnRule<S, R> {
+impl<S: Shape, R: Fn(&Hit, &Hit) -> bool + Send + Sync> Shape for OwnRule<S, R> {
     fn object_bound(&self) -> Bounds3 {
         self.shape.object_bound()
     }

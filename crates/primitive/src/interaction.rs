@@ -1,6 +1,6 @@
 //! What a renderer learns about a hit.
 
-use geometry::glam::{Vec2, Vec3};
+use geometry::glam::{DVec3, Vec2, Vec3};
 use geometry::{Ray, SurfacePoint, TraversalRay, round_down, round_up};
 
 use crate::{MediumInterface, Surface};
@@ -44,18 +44,38 @@ impl SurfaceInteraction {
         self.point.uv
     }
 
-    /// A ray that leaves the surface here towards `direction`, at the same time.
+    /// A ray that leaves the surface here towards `direction`, of any length, at the same time. Where that is NaN,
+    /// infinite or zero, so is the ray's, which then hits nothing.
     ///
     /// Its origin is moved along the normal, to the side of `direction`, until the box `p ± p_error` lies behind the
     /// plane through it; each coordinate that moves is rounded away from the surface. This is pbrt's OffsetRayOrigin
     /// (section 6.8.6 of the fourth edition), with the sum in f64, so that no coordinate moves that need not.
     pub fn spawn_ray(&self, direction: impl Into<Vec3>) -> Ray {
         let direction = direction.into();
+        Ray::new(self.p_before(direction.as_dvec3(), self.p_error().as_dvec3()), direction).at_time(self.time)
+    }
+
+    /// A ray from here to a place on `other`, at this time: for shadow rays to area lights, asked with
+    /// `Interval::up_to(1.0)`, within which it meets neither of the two surfaces. This is pbrt's SpawnRayTo (section 6.8.6 of
+    /// the fourth edition) without its shadow epsilon: both ends are moved, as [`spawn_ray`](Self::spawn_ray) does, and
+    /// that at `t = 1` also by the rounding of the direction, to first order in the errors.
+    pub fn spawn_ray_to(&self, other: &Self) -> Ray {
+        let p_error = other.p_error().as_dvec3();
+        let origin = self.p_before(other.point.p - self.point.p, self.p_error().as_dvec3());
+        let way = other.point.p - origin.as_dvec3();
+        // Half an ulp of each component of the direction, which the offset at its end makes longer, and as much again.
+        let rounding = (way.abs() + p_error.element_sum()) * f64::from(f32::EPSILON);
+        let target = other.p_before(-way, p_error + rounding);
+        Ray::new(origin, (target.as_dvec3() - origin.as_dvec3()).as_vec3()).at_time(self.time)
+    }
+
+    /// The position, moved along the normal to the side of `direction`, until the box of `p_error` lies behind.
+    fn p_before(&self, direction: DVec3, p_error: DVec3) -> Vec3 {
         let (p, n) = (self.p(), self.point.n);
-        let away = if n.dot(direction.as_dvec3()) < 0.0 { -n } else { n };
-        let offset = away * n.abs().dot(self.p_error().as_dvec3());
+        let away = if n.dot(direction) < 0.0 { -n } else { n };
+        let offset = away * n.abs().dot(p_error);
         let moved = p.as_dvec3() + offset;
-        let origin = [0, 1, 2].map(|i| {
+        Vec3::from_array([0, 1, 2].map(|i| {
             if offset[i] > 0.0 {
                 round_up(moved[i])
             } else if offset[i] < 0.0 {
@@ -63,8 +83,7 @@ impl SurfaceInteraction {
             } else {
                 p[i]
             }
-        });
-        Ray::new(origin, direction).at_time(self.time)
+        }))
     }
 
     /// The normal on the side from which the ray came.
@@ -89,7 +108,8 @@ pub(crate) fn outgoing_direction(ray: &TraversalRay) -> Vec3 {
 mod tests {
     use super::*;
     use crate::MaterialId;
-    use geometry::glam::DVec3;
+    use geometry::Interval;
+    use geometry::exact::intersect_triangle_exact;
 
     fn at(p: DVec3, p_error: DVec3, n: DVec3) -> SurfaceInteraction {
         let surface = Surface::of_material(MaterialId::from_index(0).expect("has an id"));
@@ -120,6 +140,39 @@ mod tests {
             assert!(way.length() <= needed * (1.0 + 1e-12) + 2.0 * ulp, "{interaction:?}");
             assert_eq!((spawned.direction, spawned.time), (direction, 0.5));
         }
+    }
+
+    /// Between places on two triangles in any position, far and near: by exact decisions, nothing of them is met before t = 1.
+    #[test]
+    fn rays_to_another_surface_meet_neither() {
+        let mut state = 3_u64;
+        let mut signed = move || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            f64::from((state >> 40) as u32) / f64::from(1 << 23) - 1.0
+        };
+        let mut vector = move || DVec3::new(signed(), signed(), signed());
+        let (mut asked, mut beyond) = (0, 0);
+        for i in 0..20_000 {
+            let (far, large) = (2.0_f64.powi(i % 40 - 10), 2.0_f64.powi(i / 40 % 30 - 10));
+            let places = [vector(), vector() + far * vector()];
+            let triangles = places.map(|p| [0; 3].map(|_| (p + large * vector()).as_vec3()));
+            // A ray through the middle of each, from somewhere.
+            let on = triangles.map(|[a, b, c]| {
+                let (middle, eye) = ((a + b + c) / 3.0, (4.0 * vector()).as_vec3());
+                let ray = TraversalRay::new(&Ray::new(eye, middle - eye)).expect("valid");
+                geometry::triangle_surface_point(&ray, &[a, b, c], &[Vec2::ZERO; 3])
+            });
+            let [from, to] = on.map(|point| SurfaceInteraction { point, ..at(point.p, point.p_error, point.n) });
+            let Some(ray) = TraversalRay::new(&from.spawn_ray_to(&to)) else { continue };
+            for triangle in &triangles {
+                let met = intersect_triangle_exact(&ray, triangle, Interval::up_to(1.0));
+                assert_eq!(met, None, "{i} {ray:?} {triangle:?}");
+            }
+            let end = ray.origin64() + ray.direction64();
+            asked += 1;
+            beyond += usize::from((end - to.point.p).length() > 1e-3 * (to.point.p - from.point.p).length());
+        }
+        assert!(asked > 19_000 && beyond < asked / 100, "{asked} {beyond}");
     }
 
     #[test]

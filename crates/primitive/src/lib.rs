@@ -12,6 +12,8 @@
 //!
 //! Invariants of this crate: it knows no tree, no file and no thread. Its own aggregate is the naive list.
 
+#![warn(missing_debug_implementations, clippy::return_self_not_must_use)]
+
 mod geometric;
 mod id;
 mod interaction;

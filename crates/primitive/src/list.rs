@@ -34,11 +34,15 @@ impl<P: Primitive> PrimitiveList<P> {
     }
 
     /// The number of the first primitive of member `index`.
+    ///
+    /// # Panics
+    /// Where `index` is above the number of members, which itself is that of all primitives.
     pub fn first_primitive(&self, index: usize) -> u64 {
         self.first[index]
     }
 
-    /// The member that `hit` belongs to, by its index, and the hit as that member reported it.
+    /// The member that `hit`, which this list or a tree over it reported, belongs to: its index, and the hit as that member
+    /// reported it. Of a mesh it names the triangle.
     pub fn member_of(&self, hit: &Hit) -> (usize, Hit) {
         let index = self.first.partition_point(|&first| first <= hit.primitive) - 1;
         (index, Hit { primitive: hit.primitive - self.first[index], ..*hit })

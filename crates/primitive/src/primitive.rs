@@ -19,7 +19,9 @@ pub enum HitKind {
 /// has a `t` below the entry of the ray into [`world_bound`](Self::world_bound) as [`TraversalRay::enter`] computes it:
 /// with these two, an aggregate's answer does not depend on its tree. All primitives of this workspace keep both; a
 /// primitive of your own keeps the second by `t.max(entry)`.
-pub trait Primitive {
+///
+/// Primitives are shared by threads, so `Box<dyn Primitive>` is all that a scene of many kinds needs.
+pub trait Primitive: Send + Sync {
     /// A box around the primitive, at every time; not [valid](Bounds3::is_valid) where there is nothing to hit.
     fn world_bound(&self) -> Bounds3;
 

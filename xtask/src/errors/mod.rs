@@ -34,7 +34,7 @@ pub struct Errors {
 
 impl Errors {
     /// Judges `world`'s answers to the rays of `set`.
-    pub fn of(world: &(dyn Primitive + Sync), set: &JudgedSet) -> Self {
+    pub fn of(world: &dyn Primitive, set: &JudgedSet) -> Self {
         let parts: Vec<Self> = set
             .rays
             .par_chunks(256)
@@ -105,7 +105,7 @@ impl std::iter::Sum for Errors {
 }
 
 /// How many of the rays from inside of closed meshes get out, without a hit: by what they are aimed at.
-pub fn leaks(meshes: &[Box<dyn Shape + Send + Sync>], tests: &[LeakTest]) -> Vec<(&'static str, u64, u64)> {
+pub fn leaks(meshes: &[Box<dyn Shape>], tests: &[LeakTest]) -> Vec<(&'static str, u64, u64)> {
     let mut counts: Vec<(&'static str, u64, u64)> = Vec::new();
     for test in tests {
         let shape = &*meshes[test.mesh];

@@ -108,7 +108,7 @@ impl Sight {
 /// A scene that answers: as the textbook does, as the library does, and exactly.
 pub struct Trial {
     pub naive: Result<Textbook, Trouble>,
-    pub ours: Arc<dyn Primitive + Send + Sync>,
+    pub ours: Arc<dyn Primitive>,
     truth: Box<dyn Oracle>,
 }
 
@@ -117,7 +117,7 @@ impl Trial {
         let surface = Surface::of_material(MaterialId::from_index(0).expect("an index below the last"));
         let media = MediumInterface::VACUUM;
         let config = BuildConfig::balanced();
-        let ours: Arc<dyn Primitive + Send + Sync> = match shapes {
+        let ours: Arc<dyn Primitive> = match shapes {
             Shapes::Triangles(mesh) => {
                 Arc::new(GeometricPrimitive::new(WideMesh::build(Arc::clone(mesh), &config)?, surface, media))
             }
@@ -175,18 +175,24 @@ impl Trial {
 /// Of spheres that have one centre, seen from outside of all: the closest is the largest.
 fn outermost(spheres: &[Sphere]) -> OracleList {
     let largest = spheres.iter().map(Sphere::radius).fold(0.0, f32::max);
-    let member = |sphere: &Sphere| -> Box<dyn Oracle> {
-        if sphere.radius() == largest { Box::new(SphereOracle::new(sphere)) } else { Box::new(Hidden) }
-    };
-    OracleList::new(spheres.iter().map(member).collect())
+    let is_hidden = |sphere: &Sphere| sphere.radius() < largest;
+    let mut members: Vec<Box<dyn Oracle>> = Vec::new();
+    for run in spheres.chunk_by(|a, b| is_hidden(a) && is_hidden(b)) {
+        members.push(if is_hidden(&run[0]) {
+            Box::new(Hidden(run.len()))
+        } else {
+            Box::new(SphereOracle::new(&run[0]))
+        });
+    }
+    OracleList::new(members)
 }
 
-/// A primitive that is never the closest.
-struct Hidden;
+/// So many primitives that are never the closest.
+struct Hidden(usize);
 
 impl Oracle for Hidden {
     fn primitive_count(&self) -> u64 {
-        1
+        self.0 as u64
     }
 
     fn all_hits(&self, _: &Ray, _: Interval, _: &mut Tally) -> Vec<ExactHit> {

@@ -5,19 +5,23 @@ use std::fmt::Write;
 use super::Finding;
 use crate::table::count;
 
+/// What it is called, here and in the report of a sweep.
+pub const TITLE: &str = "The museum of ray tracing’s bugs";
+
 /// The whole page.
 pub fn page(findings: &[Finding]) -> String {
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-        <title>The museum of ray tracing's bugs</title>\n<style>{PAGE_STYLE}</style>\n</head>\n<body>\n<main>\n\
-        <h1>The museum of ray tracing’s bugs</h1>\n{}</main>\n</body>\n</html>\n",
-        fragment(findings)
+        <title>{TITLE}</title>\n<style>{PAGE_STYLE}</style>\n</head>\n<body>\n<main>\n\
+        <h1>{TITLE}</h1>\n{}</main>\n</body>\n</html>\n",
+        fragment(findings, "h2")
     )
 }
 
-/// The part of a page that shows `findings`, with its own style: to be put into any page's body.
-pub fn fragment(findings: &[Finding]) -> String {
+/// The part of a page that shows `findings`, with its own style: to be put into any page's body below a heading one level above
+/// `heading`.
+pub fn fragment(findings: &[Finding], heading: &str) -> String {
     let passed = findings.iter().filter(|finding| finding.is_passed()).count();
     let rays: u64 = findings.iter().map(|finding| finding.rays).sum();
     let mut html = format!(
@@ -32,7 +36,7 @@ pub fn fragment(findings: &[Finding]) -> String {
     );
     html.push_str(&summary(findings));
     for finding in findings {
-        exhibit(&mut html, finding);
+        exhibit(&mut html, finding, heading);
     }
     html.push_str("</section>\n");
     html
@@ -77,7 +81,7 @@ fn summary(findings: &[Finding]) -> String {
     html + "</table></div>\n"
 }
 
-fn exhibit(html: &mut String, finding: &Finding) {
+fn exhibit(html: &mut String, finding: &Finding, heading: &str) {
     let exhibit = finding.exhibit;
     let link = |thread: &&str| {
         let (repository, number) = thread.split_once('#').unwrap_or((thread, ""));
@@ -89,7 +93,7 @@ fn exhibit(html: &mut String, finding: &Finding) {
     let errors = count(finding.ours.errors());
     let _ = write!(
         html,
-        "<article id=\"museum-{id}\">\n<h2>{title}</h2>\n<p class=\"threads\">{threads}</p>\n<p>{story}</p>\n\
+        "<article id=\"museum-{id}\">\n<{heading}>{title}</{heading}>\n<p class=\"threads\">{threads}</p>\n<p>{story}</p>\n\
         <figure><img alt=\"{title}: the textbook’s tracer left, this library right\" \
         src=\"data:image/png;base64,{png}\"><figcaption><span>The textbook: {naive}, of {rays} rays.</span> \
         <span>This library: {verdict}, {errors} errors.</span></figcaption></figure>\n<p>{remedy}</p>\n</article>\n",
@@ -129,9 +133,11 @@ const STYLE: &str = "\
 .museum a{color:var(--link)}\
 .museum .scroll{overflow-x:auto}\
 .museum table{border-collapse:collapse;font-size:.9rem}\
-.museum th{text-align:left}.museum th,.museum td{padding:.25rem .8rem .25rem 0;border-bottom:1px solid var(--line)}\
+.museum th,.museum td{padding:.25rem .8rem .25rem 0;text-align:left;white-space:normal;\
+border-bottom:1px solid var(--line)}\
 .museum .n{text-align:right;white-space:nowrap;font-variant-numeric:tabular-nums}\
-.museum article{margin:2.5rem 0;break-inside:avoid}.museum h2{margin:0 0 .2rem;line-height:1.25}\
+.museum article{margin:2.5rem 0;max-width:54rem;break-inside:avoid}\
+.museum article h2,.museum article h3{margin:0 0 .2rem;padding:0;border:0;font-size:1.2rem;line-height:1.25}\
 .museum .threads{margin:.2rem 0;font-size:.85rem;overflow-wrap:anywhere}\
 .museum figure{margin:1rem 0}.museum \
 img{width:100%;height:auto;image-rendering:pixelated;display:block;border-radius:4px}\

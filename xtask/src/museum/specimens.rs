@@ -139,12 +139,14 @@ pub fn short_direction(rays: usize) -> Result<Specimen> {
 /// Concentric spheres, the largest last.
 pub fn one_centre(rays: usize) -> Result<Specimen> {
     const COUNT: u32 = 70_000;
-    let radius = |i: u32| 2.0 * (i + 1) as f32 / COUNT as f32;
-    let spheres: Result<Vec<Sphere>, _> = (0..COUNT).map(|i| Sphere::new(Vec3::ZERO, radius(i))).collect();
+    // Most are small: a ray asks all whose boxes reach out of the largest sphere.
+    let part = |i: u32| f64::from(i + 1000) / f64::from(COUNT + 999);
+    let spheres: Result<Vec<Sphere>, _> =
+        (0..COUNT).map(|i| Sphere::new(Vec3::ZERO, 2.0 * part(i).powi(16) as f32)).collect();
     let camera = Camera { eye: [0.5, 0.8, 8.0], look: [0.0; 3], fov: 36.0, ..Camera::default() };
     let mut random = random();
     let eye = Vec3::from(camera.eye);
-    // A ray asks thousands of spheres.
+    // A ray asks hundreds of spheres.
     let rays = (0..rays / 16).map(|_| Ray::new(eye, 2.3 * random.direction() - eye)).collect();
     Ok(Specimen { shapes: Shapes::Spheres(Arc::new(spheres?)), rays, view: View::Camera(camera) })
 }

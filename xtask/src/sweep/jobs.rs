@@ -49,7 +49,7 @@ impl<'a> Worker<'a> {
     pub fn answers(&self, workshop: &Workshop) -> Result<Answers> {
         Ok(match self {
             Self::Trace { tree, traversal, subject } => {
-                Answers::Trace(trace_answers(workshop, tree, *traversal, subject)?)
+                Answers::Trace(Box::new(trace_answers(workshop, tree, *traversal, subject)?))
             }
             Self::Picture { occlusion } => workshop.pool.install(|| {
                 let images = occlusion.images();

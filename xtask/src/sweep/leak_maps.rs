@@ -35,7 +35,7 @@ pub fn leak_maps(scene: &Scene, size: [u32; 2]) -> Result<LeakMaps> {
     let exact = WideMesh::build(Arc::clone(&mesh), &BuildConfig::default())?;
     let watertight = MeshBvh::build(Arc::clone(&mesh), &BuildConfig::default())?;
     let naive = watertight.with_kernels::<Naive>();
-    let kernels: [&(dyn Shape + Sync); 2] = [&naive, &watertight];
+    let kernels: [&dyn Shape; 2] = [&naive, &watertight];
     let view = Camera::looking_at_bounds(&mesh.object_bound()).view(size[0], size[1])?;
     let pixel = |i: u32| {
         let (x, y) = (f64::from(i % size[0]) + 0.5, f64::from(i / size[0]) + 0.5);
@@ -73,7 +73,7 @@ fn largest(scene: &Scene) -> Option<(Arc<TriangleMesh>, bool)> {
 fn look(
     mesh: &TriangleMesh,
     exact: &WideMesh,
-    kernels: [&(dyn Shape + Sync); 2],
+    kernels: [&dyn Shape; 2],
     ray: &Ray,
     width: f32,
     random: &mut Random,

@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
-use super::results::SetAnswers;
+use super::results::{QualityFigures, SetAnswers};
 use super::rows::{Row, Sweep, per_second};
 use crate::errors::ErrorSummary;
 
@@ -29,6 +29,11 @@ struct Line<'a> {
     sah_cost: f64,
     bytes: u64,
     bytes_on_disk: u64,
+    expected_cost: Option<f64>,
+    overlap: Option<f64>,
+    effective_primitive_overlap: Option<f64>,
+    /// How many leaves have 1, 2, 3, … primitives, the last 8 and more.
+    leaf_histogram: Option<[u64; QualityFigures::SIZES]>,
     box_test: &'a str,
     triangle_test: &'a str,
     ray_kind: &'a str,
@@ -88,6 +93,12 @@ pub fn csv(sweeps: &[Sweep]) -> String {
 }
 
 fn flatten((name, value): (String, Value)) -> Vec<(String, Value)> {
+    if name == "leaf_histogram" {
+        let size =
+            |i: usize| if i + 1 < QualityFigures::SIZES { format!("{}", i + 1) } else { format!("{}_up", i + 1) };
+        let of = |i: usize| value.get(i).cloned().unwrap_or(Value::Null);
+        return (0..QualityFigures::SIZES).map(|i| (format!("leaves_of_{}", size(i)), of(i))).collect();
+    }
     if name != "leaks" {
         return vec![(name, value)];
     }
@@ -146,6 +157,10 @@ fn line<'a>(sweep: &'a Sweep, row: &'a Row, i: usize, set: &'a SetAnswers) -> Li
         sah_cost: trees.sah_cost,
         bytes: trees.bytes,
         bytes_on_disk: trees.bytes_on_disk,
+        expected_cost: trees.quality.as_ref().map(|q| q.expected_cost),
+        overlap: trees.quality.as_ref().map(|q| q.overlap),
+        effective_primitive_overlap: trees.quality.as_ref().map(|q| q.effective_primitive_overlap),
+        leaf_histogram: trees.quality.as_ref().map(|q| q.leaves),
         box_test,
         triangle_test,
         ray_kind: &set.name,

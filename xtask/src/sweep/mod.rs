@@ -12,6 +12,7 @@ mod lines;
 pub mod merge;
 mod occlusion;
 mod plan;
+mod quality;
 pub mod report;
 mod results;
 mod rows;
@@ -41,6 +42,7 @@ use self::settings::{RaySetName, RaysArgument, Settings, WidthChoice, parse_dura
 use self::shard::ShardArgument;
 use crate::input::{SCENE_HELP, SceneSource, SplitMethodName};
 use crate::measure::now;
+use crate::museum::{self, page};
 
 #[derive(Args)]
 pub struct Arguments {
@@ -90,7 +92,7 @@ pub struct Arguments {
     /// Threads that build; rays are always traced by one
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     threads: Option<u32>,
-    /// Whether pictures are drawn
+    /// Whether pictures are drawn, and the museum is shown
     #[arg(long, value_name = "BOOL")]
     pictures: Option<bool>,
     /// Whether trees are kept in files, to see when that pays
@@ -209,6 +211,14 @@ fn prepare(folder: &Folder, plan: &Plan, fresh: bool, is_shard: bool) -> Result<
     folder.begin(plan)
 }
 
+/// The bugs of the field, as a part of the report.
+fn museum() -> Result<Section> {
+    /// Counted in each exhibit.
+    const RAYS: usize = 4096;
+    let html = page::fragment(&museum::findings(&[], RAYS)?, "h3");
+    Ok(Section { title: page::TITLE.to_owned(), html })
+}
+
 /// Tables, files and the report of results; and whether what must hold does.
 fn publish(plan: &Plan, results: &BTreeMap<String, JobResult>, folder: &Folder) -> Result<()> {
     let sweeps = Sweep::all(plan, results);
@@ -220,9 +230,8 @@ fn publish(plan: &Plan, results: &BTreeMap<String, JobResult>, folder: &Folder) 
     }
     results::write(&folder.0.join("results.jsonl"), lines::json_lines(&sweeps).as_bytes())?;
     results::write(&folder.0.join("results.csv"), lines::csv(&sweeps).as_bytes())?;
-    // Places for what other commands have to say.
-    let sections: Vec<Section> = Vec::new();
-    let report = report::report(plan, &sweeps, now(), &sections)?;
+    let museum = plan.pictures.map(|_| museum()).transpose()?;
+    let report = report::report(plan, &sweeps, now(), museum.as_slice())?;
     let pictures = folder.0.join("pictures");
     std::fs::create_dir_all(&pictures).with_context(|| format!("{}: cannot be made", pictures.display()))?;
     for (name, bytes) in &report.files {

@@ -16,7 +16,7 @@ use super::sweep_file::{Grid, Named};
 use crate::input::{SEED, SceneSource, SplitMethodName, usage_error};
 
 /// Results of another number are not read.
-const FORMAT: u32 = 1;
+const FORMAT: u32 = 2;
 
 /// What is to be done.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

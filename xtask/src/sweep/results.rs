@@ -77,7 +77,7 @@ pub fn median(mut values: Vec<f64>) -> f64 {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", tag = "kind")]
 pub enum Answers {
-    Trace(TraceAnswers),
+    Trace(Box<TraceAnswers>),
     Picture(PictureAnswers),
     Leaks(LeakMaps),
     Cache(CacheAnswers),
@@ -108,6 +108,23 @@ pub struct TreeFigures {
     pub bytes: u64,
     /// Of cache files with the trees over meshes.
     pub bytes_on_disk: u64,
+    /// Of the trees over meshes, as they are traversed; `None` of a scene without any.
+    pub quality: Option<QualityFigures>,
+}
+
+/// See [`bvh_flat::TreeQuality`].
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct QualityFigures {
+    pub expected_cost: f64,
+    pub overlap: f64,
+    pub effective_primitive_overlap: f64,
+    /// How many leaves have 1, 2, 3, … primitives; the last ones those and more.
+    pub leaves: [u64; Self::SIZES],
+}
+
+impl QualityFigures {
+    /// As many sizes of leaves are told apart.
+    pub const SIZES: usize = 8;
 }
 
 /// One set of rays, traced for the closest and for any hit.

@@ -52,9 +52,9 @@ impl Trees {
 
 /// A scene with its trees and one way to traverse them.
 pub struct Subject {
-    pub world: Arc<dyn Primitive + Send + Sync>,
+    pub world: Arc<dyn Primitive>,
     /// Each mesh by itself, in its own space.
-    pub meshes: Vec<Box<dyn Shape + Send + Sync>>,
+    pub meshes: Vec<Box<dyn Shape>>,
     /// The only mesh, to be asked many rays at once.
     pub batch: Option<WideMesh>,
 }
@@ -101,7 +101,7 @@ impl Subject {
         shape: impl Fn(&M) -> N,
     ) -> Result<Self> {
         let compiled = compiled.with_meshes(width, shape)?;
-        let boxed = |mesh: &N| Box::new(mesh.clone()) as Box<dyn Shape + Send + Sync>;
+        let boxed = |mesh: &N| Box::new(mesh.clone()) as Box<dyn Shape>;
         let meshes = compiled.meshes().iter().map(boxed).collect();
         Ok(Self { world: compiled.shared_world(), meshes, batch: None })
     }

@@ -1,6 +1,7 @@
 //! What a sweep says to people on the terminal: tables, and a sentence that decides.
 
 use super::configuration::{KernelName, Promise, Traversal, TreeName};
+use super::quality;
 use super::rows::{FIGURES_OF_SET, Row, Sweep, per_second};
 use super::verdict;
 use crate::errors::per_million;
@@ -14,6 +15,7 @@ pub fn print(sweep: &Sweep) {
         println!("instanced: {} primitives", count(first.answers.instanced_primitives));
     }
     print_builds(sweep);
+    print_quality(sweep);
     print_traces(sweep);
     print_ways(sweep);
     if sweep.rows.iter().any(Row::is_judged) {
@@ -62,6 +64,21 @@ fn print_builds(sweep: &Sweep) {
             format!("{:.1}", trees.bytes as f64 / primitives),
             format!("{:.1}", trees.bytes_on_disk as f64 / primitives),
         ]);
+    }
+    println!("{rows}");
+}
+
+fn print_quality(sweep: &Sweep) {
+    let builds = sweep.builds();
+    let known: Vec<(&&Row, [String; 6])> =
+        builds.iter().filter_map(|row| Some((row, quality::figures(row)?))).collect();
+    if known.is_empty() {
+        return;
+    }
+    println!("\nQuality of the trees over meshes, as they are traversed: compare rows of one layout");
+    let mut rows = table(&[&["layout", "split method"][..], &quality::FIGURES].concat(), 2);
+    for (row, figures) in known {
+        rows.add_row([vec![row.tree.layout.name().to_owned(), row.tree.describe()], figures.into()].concat());
     }
     println!("{rows}");
 }

@@ -12,6 +12,7 @@ use scene::{CompiledScene, RaySegment, RaySets, Scene};
 use super::configuration::{Layout, TreeName};
 use super::occlusion::Occlusion;
 use super::plan::Plan;
+use super::quality::quality;
 use super::results::TreeFigures;
 use super::subject::{Trees, batch_rays};
 use crate::errors::Truth;
@@ -150,6 +151,7 @@ fn build(scene: &Arc<Scene>, name: TreeName, pool: &rayon::ThreadPool) -> Result
         sah_cost: weighted_cost / sum(|t| t.active_count).max(1) as f64,
         bytes: trees.memory() as u64,
         bytes_on_disk: trees.file_length(),
+        quality: pool.install(|| quality(&trees)),
     };
     Ok(BuiltTrees { name, trees, figures })
 }

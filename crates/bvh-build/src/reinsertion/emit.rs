@@ -55,6 +55,6 @@ fn in_order(topology: &Topology, [a, b]: [u32; 2]) -> (Axis, [u32; 2]) {
         bounds.min + bounds.max
     });
     let distance = b_centroid2 - a_centroid2;
-    let axis = Bounds3::new(Vec3::ZERO, distance.abs().into()).dominant_axis();
+    let axis = Bounds3::new(Vec3::ZERO, distance.abs()).dominant_axis();
     (axis, if distance[axis.index()] < 0.0 { [b, a] } else { [a, b] })
 }

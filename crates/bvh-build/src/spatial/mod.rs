@@ -32,6 +32,7 @@ pub type ClippedBounds<'a> = dyn Fn(u32, &Bounds3) -> Bounds3 + Sync + 'a;
 /// The parameters of spatial splits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
+#[must_use]
 pub struct SpatialSplits {
     /// A plane is looked for only where the children of the best other split overlap by more than this part of the root's
     /// surface area: Stich's α. Not negative; default 10⁻⁵.

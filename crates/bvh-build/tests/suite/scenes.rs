@@ -63,7 +63,7 @@ fn shuffled(mut scene: Vec<Bounds3>) -> Vec<Bounds3> {
 /// All hard cases, each of at most a few thousand boxes.
 pub(crate) fn hard_cases() -> Vec<(String, Vec<Bounds3>)> {
     const N: usize = 6000; // More than one thread builds on its own.
-    const UNIT: Bounds3 = Bounds3::new(Vec3::ZERO, Vec3::ONE);
+    const UNIT: Bounds3 = Bounds3 { min: Vec3::ZERO, max: Vec3::ONE };
     let mut cases: Vec<(String, Vec<Bounds3>)> = Vec::new();
     let mut add = |name: &str, scene: Vec<Bounds3>| cases.push((name.to_owned(), scene));
 

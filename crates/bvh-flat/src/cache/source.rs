@@ -26,11 +26,10 @@ impl Source for &[u8] {
 
 /// A file, with the length that it had when it was opened.
 pub(crate) struct OpenFile {
-    #[cfg(unix)]
     pub(crate) file: File,
-    /// Its position is shared.
+    /// Whose thread may move the position of the file: reads go by it where there are none at an offset.
     #[cfg(not(unix))]
-    pub(crate) file: std::sync::Mutex<File>,
+    position: std::sync::Mutex<()>,
     len: u64,
 }
 
@@ -41,9 +40,12 @@ impl OpenFile {
         if metadata.is_dir() {
             return Err(io::ErrorKind::IsADirectory.into());
         }
-        #[cfg(not(unix))]
-        let file = std::sync::Mutex::new(file);
-        Ok(Self { file, len: metadata.len() })
+        Ok(Self {
+            file,
+            #[cfg(not(unix))]
+            position: std::sync::Mutex::new(()),
+            len: metadata.len(),
+        })
     }
 }
 
@@ -60,7 +62,8 @@ impl Source for OpenFile {
     #[cfg(not(unix))]
     fn read_exact_at(&self, offset: u64, to: &mut [u8]) -> io::Result<()> {
         use std::io::{Read, Seek, SeekFrom};
-        let mut file = self.file.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        let _position = self.position.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        let mut file = &self.file;
         file.seek(SeekFrom::Start(offset))?;
         file.read_exact(to)
     }

@@ -3,6 +3,7 @@
 mod arena;
 mod batch;
 mod box_ray;
+mod boxes;
 mod collapse;
 mod node;
 mod packet;
@@ -18,6 +19,7 @@ mod validate;
 pub(crate) use arena::Arena;
 pub(crate) use arena::{Child, Line, MAX_LINES};
 pub(crate) use batch::{LARGE, answer_many};
+pub(crate) use boxes::boxes;
 pub(crate) use collapse::{BinaryTree, LeafWriter, WideTree, collapse, with_small_leaves};
 #[cfg(feature = "build")]
 pub(crate) use node::WideNode;

@@ -162,12 +162,12 @@ impl Transform {
         &self.inverse
     }
 
-    /// Where a point goes.
+    /// Where a point goes, in f64: no term of a coordinate is rounded more than four times. NaN and infinity go on.
     pub fn point(&self, p: DVec3) -> DVec3 {
         apply(&self.matrix, p)
     }
 
-    /// Where a direction goes; its length changes with the scale.
+    /// Where a direction goes; its length changes with the scale. As [`point`](Self::point).
     pub fn vector(&self, v: DVec3) -> DVec3 {
         apply3(&self.matrix.matrix3, v)
     }

@@ -1,7 +1,6 @@
 //! The triangles of a mesh.
 
 use geometry::TriangleMesh;
-use geometry::glam::{Vec2, Vec3};
 use gltf::json::accessor::ComponentType::{F32, I8, I16, U8, U16, U32};
 use gltf::json::accessor::Type;
 use gltf::json::mesh::{Mode, Primitive, Semantic};
@@ -140,13 +139,13 @@ fn triangle_mesh(
         (0..positions.len() as u32).collect()
     };
     used.shrink_to_fit();
-    let vertices: Vec<Vec3> = used.iter().map(|&i| Vec3::from_array(positions.vector(i as usize))).collect();
+    let vertices = used.iter().map(|&i| positions.vector(i as usize));
     let mesh = TriangleMesh::new(vertices, triangles).map_err(|e| error(e.to_string()))?;
     let Some(&uvs) = primitive.attributes.get(&Checked::Valid(Semantic::TexCoords(0))) else { return Ok(mesh) };
     let uvs = Elements::new(document, uvs, Type::Vec2, &[F32, U8, U16, I8, I16])?;
     if uvs.len() != positions.len() {
         return Err(error(format!("{} texture coordinates for {} vertices", uvs.len(), positions.len())));
     }
-    let uvs = used.iter().map(|&i| Vec2::from_array(uvs.vector(i as usize))).collect();
+    let uvs = used.iter().map(|&i| uvs.vector(i as usize));
     mesh.with_uvs(uvs).map_err(|e| error(e.to_string()))
 }
