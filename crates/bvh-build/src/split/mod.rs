@@ -62,7 +62,7 @@ pub(crate) fn split(
 /// Moves all of `prims` that `is_first` before the others, and returns how many they are.
 pub(crate) fn partition(
     prims: &mut [PrimInfo],
-    is_first: impl Fn(&PrimInfo) -> bool,
+    mut is_first: impl FnMut(&PrimInfo) -> bool,
     progress: &ProgressReporter,
 ) -> Result<usize, Cancelled> {
     // Lomuto's scheme without a branch: half of all branches here would be mispredicted.

@@ -20,8 +20,17 @@ pub(super) fn split(
     progress: &ProgressReporter,
 ) -> Result<Option<Split>, Cancelled> {
     let Some(plane) = cheapest_plane(prims, extent, config, limit, progress)? else { return Ok(None) };
-    let middle = partition(prims, |p| !plane.is_behind(p.centroid2()), progress)?;
-    Split::at(middle, plane.axis, prims, progress).map(Some)
+    let mut centroids2 = [Bounds3A::EMPTY; 2];
+    let is_first = |p: &PrimInfo| {
+        let centroid2 = p.centroid2();
+        let is_behind = plane.is_behind(centroid2);
+        let side = &mut centroids2[usize::from(is_behind)];
+        *side = side.union_point(centroid2);
+        !is_behind
+    };
+    let middle = partition(prims, is_first, progress)?;
+    let extents = [0, 1].map(|side| Extent { bounds: plane.bounds[side], centroids2: centroids2[side] });
+    Ok(Some(Split { axis: plane.axis, middle, extents }))
 }
 
 /// Where primitives are divided.
