@@ -11,6 +11,8 @@ use clap::error::ErrorKind;
 use scene::{BuiltIn, Camera, CompiledScene, Scene};
 use serde::{Deserialize, Serialize};
 
+use crate::build_bar::BuildBar;
+
 /// The seed of everything that is random: the same scene and the same rays on every machine.
 pub const SEED: u64 = 42;
 
@@ -131,7 +133,7 @@ impl SplitMethodName {
 
 /// Loads a scene and builds its trees.
 pub fn compile(source: &SceneSource, method: SplitMethodName) -> Result<CompiledScene> {
-    Ok(CompiledScene::build(source.load()?, &method.config(), &())?)
+    Ok(CompiledScene::build(source.load()?, &method.config(), &BuildBar::new())?)
 }
 
 /// The scene's own camera, else a view from outside.

@@ -2,6 +2,7 @@
 //! code: 0 good, 1 a failure of what was asked, 2 a command line that makes no sense, 3 a merge that lacks results, 130
 //! interrupted.
 
+mod build_bar;
 mod cache;
 mod ci;
 mod compare;

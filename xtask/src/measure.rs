@@ -1,14 +1,15 @@
 //! Clocks: the only place of the workspace that reads one.
 
 use std::collections::BTreeMap;
+use std::ops::ControlFlow;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-use bvh_flat::bvh_build::{BuildObserver, Phase, TreeStatistics};
+use bvh_flat::bvh_build::{BuildObserver, Phase, PhaseProgress, TreeStatistics};
 
 /// Times the phases of builds, and keeps the statistics of the trees they made.
-#[derive(Default)]
 pub struct BuildClock {
+    is_enough: fn() -> bool,
     state: Mutex<BuildState>,
 }
 
@@ -20,6 +21,11 @@ struct BuildState {
 }
 
 impl BuildClock {
+    /// Cancels builds as soon as it is enough.
+    pub fn until(is_enough: fn() -> bool) -> Self {
+        Self { is_enough, state: Mutex::default() }
+    }
+
     /// The time spent in each phase, summed over all trees.
     pub fn phases(&self) -> BTreeMap<String, Duration> {
         self.with(|state| state.phases.clone())
@@ -51,6 +57,10 @@ impl BuildObserver for BuildClock {
                 *state.phases.entry(name(phase)).or_default() += begun.elapsed();
             }
         });
+    }
+
+    fn progressed(&self, _: &PhaseProgress) -> ControlFlow<()> {
+        if (self.is_enough)() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 
     fn built(&self, statistics: &TreeStatistics) {

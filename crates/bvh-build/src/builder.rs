@@ -3,13 +3,12 @@
 use geometry::Bounds3;
 
 use crate::depth::{MAX_DEPTH, MAX_PRIMITIVES};
-use crate::observer::observed;
 use crate::prim_info::{Extent, PrimInfo};
 use crate::recursive::{Group, Rules};
 use crate::subtree::Subtree;
 use crate::{
-    BuildConfig, BuildError, BuildObserver, ClippedBounds, Node, Phase, SpatialSplits, SplitMethod, Tree,
-    TreeStatistics, binned, hlbvh, merge, reinsertion, spatial,
+    BuildConfig, BuildError, BuildObserver, Cancelled, ClippedBounds, Node, Phase, ProgressReporter, SpatialSplits,
+    SplitMethod, Tree, TreeStatistics, binned, hlbvh, merge, reinsertion, spatial,
 };
 
 /// The tree over `bounds`; see [`build_observed`].
@@ -20,14 +19,15 @@ pub fn build(bounds: &[Bounds3], config: &BuildConfig) -> Result<Tree, BuildErro
     build_observed(bounds, config, &())
 }
 
-/// The tree over `bounds`, one for each primitive, while `observer` is told of its phases.
+/// The tree over `bounds`, one for each primitive, while `observer` is told how far it has come, and may cancel it.
 ///
 /// Primitives whose bounds are not [valid](Bounds3::is_valid) are inactive: they keep their index and are in no leaf.
 /// Where none is active, the tree is empty. The same bounds and configuration make the same tree, bit for bit, on any
 /// number of threads and without the feature `parallel`. Time is linear in n for each level of the tree.
 ///
 /// # Errors
-/// [`BuildError::InvalidConfig`], and [`BuildError::TooManyPrimitives`] beyond 2³¹ bounds.
+/// [`BuildError::InvalidConfig`], [`BuildError::TooManyPrimitives`] beyond 2³¹ bounds, and [`BuildError::Cancelled`] where the
+/// observer wants it.
 pub fn build_observed(
     bounds: &[Bounds3],
     config: &BuildConfig,
@@ -60,7 +60,9 @@ fn build_clipped(
 ) -> Result<Tree, BuildError> {
     config.validate()?;
     check_count(count)?;
-    let mut prims = observed(observer, Phase::Bounds, || PrimInfo::active(count, bounds));
+    let mut prims = ProgressReporter::observe(observer, Phase::Bounds, count, |progress| {
+        PrimInfo::active(count, bounds, progress)
+    })?;
     let active = prims.len();
     let splits = config.spatial_splits.filter(|_| config.split_method == SplitMethod::Sah).zip(clipped);
     let room = splits.map_or(0, |(splits, _)| splits.room(active));
@@ -71,19 +73,20 @@ fn build_clipped(
     let (mut nodes, mut order) = match splits {
         Some((splits, clipped)) if active > 0 => {
             prims.resize(active + room, PrimInfo::ZERO);
-            grow_split(&mut prims, active, &splits, clipped, &growth, observer)
+            grow_split(&mut prims, active, &splits, clipped, &growth, observer)?
         }
-        _ => grow(&mut prims, &growth, observer),
+        _ => grow(&mut prims, &growth, observer)?,
     };
     drop(prims);
-    if let Some(reinsertion) = &config.reinsertion {
-        (nodes, order) = observed(observer, Phase::Reinsertion, || {
+    if let Some(options) = &config.reinsertion {
+        let most = reinsertion::most_examined(nodes.len(), options);
+        (nodes, order) = ProgressReporter::observe(observer, Phase::Reinsertion, most, |progress| {
             // Before and not after: the trees cost the same, and a third of the build's time is saved.
-            let (nodes, order) = merge::leaves(nodes, order, config);
-            reinsertion::optimize(nodes, order, reinsertion, observer)
-        });
+            let (nodes, order) = merge::leaves(nodes, order, config, progress)?;
+            reinsertion::optimize(nodes, order, options, observer, progress)
+        })?;
     }
-    Ok(finish(nodes, order, [active, count], config, observer))
+    Ok(finish(nodes, order, [active, count], config, observer)?)
 }
 
 impl Tree {
@@ -95,35 +98,43 @@ impl Tree {
     /// counts. See [`BuildConfig::reinsertion`] for the way to build such a tree at once.
     ///
     /// # Errors
-    /// [`BuildError::InvalidConfig`].
+    /// [`BuildError::InvalidConfig`]; and [`BuildError::Cancelled`], with which the tree is lost: an observer that wants it as
+    /// it is then answers [`reinserted`](BuildObserver::reinserted) so.
     pub fn optimized(self, config: &BuildConfig, observer: &dyn BuildObserver) -> Result<Self, BuildError> {
         config.validate()?;
         let TreeStatistics { active_count, inactive_count, .. } = *self.statistics();
         let (nodes, order) = self.into_parts();
         let options = config.reinsertion.unwrap_or_default();
-        let (nodes, order) =
-            observed(observer, Phase::Reinsertion, || reinsertion::optimize(nodes, order, &options, observer));
+        let most = reinsertion::most_examined(nodes.len(), &options);
+        let (nodes, order) = ProgressReporter::observe(observer, Phase::Reinsertion, most, |progress| {
+            reinsertion::optimize(nodes, order, &options, observer, progress)
+        })?;
         let counts = [active_count, active_count + inactive_count].map(|count| count as usize);
-        Ok(finish(nodes, order, counts, config, observer))
+        Ok(finish(nodes, order, counts, config, observer)?)
     }
 }
 
-/// The nodes and the order of the tree over `prims`.
-fn grow(prims: &mut [PrimInfo], config: &BuildConfig, observer: &dyn BuildObserver) -> (Vec<Node>, Vec<u32>) {
-    let root = match config.split_method {
-        _ if prims.is_empty() => Subtree::default(),
-        SplitMethod::Hlbvh => return hlbvh::build(prims, config, observer),
-        SplitMethod::Sah if binned::is_for(config) => {
-            let (root, order) = observed(observer, Phase::Recursion, || binned::grow(prims, config, MAX_DEPTH));
-            return observed(observer, Phase::Assembly, || root.assemble(order.len(), |place| order[place]));
-        }
-        SplitMethod::Sah | SplitMethod::Middle | SplitMethod::EqualCounts => {
-            observed(observer, Phase::Recursion, || {
-                Subtree::grow(Group::new(prims, 0, &Rules::new(config, MAX_DEPTH)), 1)
-            })
-        }
-    };
-    observed(observer, Phase::Assembly, || root.assemble(prims.len(), |place| prims[place].index()))
+/// The nodes and the order of a tree.
+type Parts = (Vec<Node>, Vec<u32>);
+
+/// Those of the tree over `prims`.
+fn grow(prims: &mut [PrimInfo], config: &BuildConfig, observer: &dyn BuildObserver) -> Result<Parts, Cancelled> {
+    if prims.is_empty() {
+        return Ok((Vec::new(), Vec::new()));
+    }
+    if config.split_method == SplitMethod::Hlbvh {
+        return hlbvh::build(prims, config, observer);
+    }
+    if binned::is_for(config) {
+        let (root, order) =
+            recursion(observer, prims.len(), |progress| binned::grow(prims, &Rules::new(config, MAX_DEPTH, progress)))?;
+        return assembly(root, order.len(), |place| order[place], observer);
+    }
+    let root = recursion(observer, prims.len(), |progress| {
+        let rules = Rules::new(config, MAX_DEPTH, progress);
+        Subtree::grow(Group::new(prims, 0, &rules)?, 1, progress)
+    })?;
+    assembly(root, prims.len(), |place| prims[place].index(), observer)
 }
 
 /// As [`grow`], where space may be split: the first `count` of `room` are references to all of the primitives.
@@ -134,13 +145,33 @@ fn grow_split(
     clipped: &ClippedBounds,
     config: &BuildConfig,
     observer: &dyn BuildObserver,
-) -> (Vec<Node>, Vec<u32>) {
-    let root = observed(observer, Phase::Recursion, || {
-        let extent = Extent::of(&room[..count]);
-        let setting = spatial::Setting::new(config, MAX_DEPTH, splits, clipped, &extent);
-        Subtree::grow(spatial::Group::new(room, count, extent, &setting), 1)
-    });
-    observed(observer, Phase::Assembly, || root.assemble(room.len(), |place| room[place].index()))
+) -> Result<Parts, Cancelled> {
+    let root = recursion(observer, room.len(), |progress| {
+        let extent = Extent::of_many(&room[..count], progress)?;
+        let setting = spatial::Setting::new(Rules::new(config, MAX_DEPTH, progress), splits, clipped, &extent);
+        Subtree::grow(spatial::Group::new(room, count, extent, &setting), 1, progress)
+    })?;
+    assembly(root, room.len(), |place| room[place].index(), observer)
+}
+
+fn recursion<T>(
+    observer: &dyn BuildObserver,
+    count: usize,
+    grow: impl FnOnce(&ProgressReporter) -> Result<T, Cancelled>,
+) -> Result<T, Cancelled> {
+    ProgressReporter::observe(observer, Phase::Recursion, count, grow)
+}
+
+/// See [`Subtree::assemble`].
+fn assembly(
+    root: Subtree,
+    count: usize,
+    index: impl Fn(usize) -> u32,
+    observer: &dyn BuildObserver,
+) -> Result<Parts, Cancelled> {
+    ProgressReporter::observe(observer, Phase::Assembly, root.node_count(), |progress| {
+        root.assemble(count, index, progress)
+    })
 }
 
 /// The tree of `nodes` with its statistics, as the observer is told; `counts` are those of active primitives and of all.
@@ -150,10 +181,12 @@ fn finish(
     counts: [usize; 2],
     config: &BuildConfig,
     observer: &dyn BuildObserver,
-) -> Tree {
-    let tree = observed(observer, Phase::Statistics, || Tree::new(nodes, order, counts, config));
+) -> Result<Tree, Cancelled> {
+    let tree = ProgressReporter::observe(observer, Phase::Statistics, nodes.len(), |progress| {
+        Tree::new(nodes, order, counts, config, progress)
+    })?;
     observer.built(tree.statistics());
-    tree
+    Ok(tree)
 }
 
 fn check_count(count: usize) -> Result<(), BuildError> {

@@ -169,8 +169,15 @@ impl BuildConfig {
     }
 
     /// A good tree of whatever there is, in little time: [`SplitMethod::Sah`] over 32 buckets on all axes.
+    ///
+    /// Leaves of up to five, and no full sweeps: with four and sweeps of 16, a build takes 1.05 to 1.1 times as long, and no rays
+    /// are faster. With eight it takes 0.83 of the time, and kitchen's rays 1.06.
     pub const fn balanced() -> Self {
-        Self::new(SplitMethod::Sah).with_buckets(32).with_axes(SplitAxes::All)
+        Self::new(SplitMethod::Sah)
+            .with_buckets(32)
+            .with_axes(SplitAxes::All)
+            .with_full_sweep(0)
+            .with_max_primitives_in_leaf(5)
     }
 
     /// A better tree: [`SplitMethod::Sah`] over 64 buckets on all axes, then [`Reinsertion`], in one and a half to two times

@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-/// Why [`build`](crate::build) refused. No bounds are ever a reason: invalid ones are inactive.
+/// Why [`build`](crate::build) gave no tree. No bounds are ever a reason: invalid ones are inactive.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum BuildError {
@@ -24,4 +24,7 @@ pub enum BuildError {
         /// What it must be.
         requirement: &'static str,
     },
+    /// The observer did not want it any more ([`BuildObserver::progressed`](crate::BuildObserver::progressed)).
+    #[error("the build was cancelled")]
+    Cancelled,
 }

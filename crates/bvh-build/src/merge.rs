@@ -1,21 +1,27 @@
 //! Leaves of several primitives, where these cost less than a subtree.
 
 use crate::subtree::append_leaf;
-use crate::{BuildConfig, Node, NodeKind};
+use crate::{BuildConfig, Cancelled, Node, NodeKind, ProgressReporter};
 
 /// The tree of `nodes` and `order` with each subtree made a leaf whose primitives are cheaper to test at once, and fit
 /// a leaf: the largest such subtrees, of equal costs the leaf. Costs are those of the surface area heuristic.
-pub(crate) fn leaves(mut nodes: Vec<Node>, old_order: Vec<u32>, config: &BuildConfig) -> (Vec<Node>, Vec<u32>) {
+pub(crate) fn leaves(
+    mut nodes: Vec<Node>,
+    old_order: Vec<u32>,
+    config: &BuildConfig,
+    progress: &ProgressReporter,
+) -> Result<(Vec<Node>, Vec<u32>), Cancelled> {
     if config.max_primitives_in_leaf == 1 {
-        return (nodes, old_order);
+        return Ok((nodes, old_order));
     }
-    let subtrees = rate(&nodes, config);
+    let subtrees = rate(&nodes, config, progress)?;
     let mut kept = 0;
     let mut order = Vec::with_capacity(old_order.len());
     // Interior nodes whose second child is to come, the next one last: where they were to find it, and where they are.
     let mut pending: Vec<(usize, usize)> = Vec::new();
     let mut next = 0;
     while next < nodes.len() {
+        progress.check_step(kept)?;
         if let Some((_, parent)) = pending.pop_if(|&mut (second, _)| second == next)
             && let NodeKind::Interior { second_child, .. } = &mut nodes[parent].kind
         {
@@ -39,7 +45,7 @@ pub(crate) fn leaves(mut nodes: Vec<Node>, old_order: Vec<u32>, config: &BuildCo
         kept += 1;
     }
     nodes.truncate(kept);
-    (nodes, order)
+    Ok((nodes, order))
 }
 
 /// What is below a node.
@@ -55,10 +61,11 @@ struct Subtree {
     cost: f64,
 }
 
-fn rate(nodes: &[Node], config: &BuildConfig) -> Vec<Subtree> {
+fn rate(nodes: &[Node], config: &BuildConfig, progress: &ProgressReporter) -> Result<Vec<Subtree>, Cancelled> {
     let t_trav = f64::from(config.traversal_cost);
     let mut subtrees = vec![Subtree::default(); nodes.len()];
     for (i, node) in nodes.iter().enumerate().rev() {
+        progress.check_step(i)?;
         let area = node.bounds.surface_area();
         let as_leaf = |count: u32| area * config.cost_of_leaf(count);
         subtrees[i] = match node.kind {
@@ -75,7 +82,7 @@ fn rate(nodes: &[Node], config: &BuildConfig) -> Vec<Subtree> {
             }
         };
     }
-    subtrees
+    Ok(subtrees)
 }
 
 #[cfg(test)]
@@ -112,7 +119,7 @@ mod tests {
             state = state.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(1);
             (state >> 40) as f32 / (1 << 24) as f32
         };
-        let mut merged = 0;
+        let (mut merged, progress) = (0, ProgressReporter::unobserved());
         for n in [0, 1, 2, 3, 10, 500] {
             let mut point = || Vec3::new(random(), random(), random());
             let bounds: Vec<_> = (0..n).map(|_| Bounds3::from_points([point(), point()])).collect();
@@ -121,8 +128,10 @@ mod tests {
                 for (t_trav, t_isect, t_leaf) in [(0.5, 1.0, 0.0), (2.0, 1.0, 0.0), (0.0, 1.0, 0.0), (0.3, 0.1, 1.5)] {
                     let config = BuildConfig::default().with_max_primitives_in_leaf(leaf);
                     let config = config.with_costs(t_trav, t_isect).with_leaf_cost(t_leaf);
-                    let (nodes, order) = leaves(fine.nodes().to_vec(), fine.order().to_vec(), &config);
-                    let coarse = crate::Tree::new(nodes, order, [n as usize; 2], &config);
+                    let (nodes, order) = leaves(fine.nodes().to_vec(), fine.order().to_vec(), &config, &progress)
+                        .expect("nobody cancels");
+                    let coarse = crate::Tree::new(nodes, order, [n as usize; 2], &config, &progress);
+                    let coarse = coarse.expect("nobody cancels");
                     let statistics = coarse.statistics();
                     if n > 0 {
                         let (cost, count, leaf_count) = naive(fine.nodes(), 0, &config);

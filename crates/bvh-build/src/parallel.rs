@@ -1,5 +1,9 @@
 //! Doing two or many things, at the same time where the feature `parallel` allows it. Results never depend on it.
 
+use std::ops::Range;
+
+use crate::{Cancelled, ProgressReporter};
+
 /// Both results.
 #[cfg(feature = "parallel")]
 pub(crate) fn join<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
@@ -12,30 +16,55 @@ pub(crate) fn join<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnc
     (a(), b())
 }
 
-/// The result for each item, in the items' order.
+/// Both results, if neither is cancelled.
+pub(crate) fn try_join<A: Send, B: Send>(
+    a: impl FnOnce() -> Result<A, Cancelled> + Send,
+    b: impl FnOnce() -> Result<B, Cancelled> + Send,
+) -> Result<(A, B), Cancelled> {
+    let (a, b) = join(a, b);
+    Ok((a?, b?))
+}
+
+/// The result for each item, in the items' order, if none is cancelled.
+pub(crate) fn map<T: Send, R: Send>(
+    items: Vec<T>,
+    f: impl Fn(T) -> Result<R, Cancelled> + Send + Sync,
+) -> Result<Vec<R>, Cancelled> {
+    #[cfg(feature = "parallel")]
+    let results: Vec<_> = {
+        use rayon::iter::{IntoParallelIterator, ParallelIterator};
+        items.into_par_iter().map(f).collect()
+    };
+    #[cfg(not(feature = "parallel"))]
+    let results = items.into_iter().map(f);
+    results.into_iter().collect()
+}
+
+/// The result for each number below `count`, in order; so many items are done then.
+pub(crate) fn collect<R: Send>(
+    count: usize,
+    progress: &ProgressReporter,
+    f: impl Fn(usize) -> R + Send + Sync,
+) -> Result<Vec<R>, Cancelled> {
+    let mut all = Vec::with_capacity(count);
+    let block = 8 * SEQUENTIAL * threads();
+    for begin in (0..count).step_by(block) {
+        let numbers = begin..count.min(begin + block);
+        progress.update(numbers.len())?;
+        extend(&mut all, numbers, &f);
+    }
+    Ok(all)
+}
+
 #[cfg(feature = "parallel")]
-pub(crate) fn map<T: Send, R: Send>(items: Vec<T>, f: impl Fn(T) -> R + Send + Sync) -> Vec<R> {
-    use rayon::iter::{IntoParallelIterator, ParallelIterator};
-    items.into_par_iter().map(f).collect()
+fn extend<R: Send>(all: &mut Vec<R>, numbers: Range<usize>, f: impl Fn(usize) -> R + Send + Sync) {
+    use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelExtend, ParallelIterator};
+    all.par_extend(numbers.into_par_iter().with_min_len(SEQUENTIAL).map(f));
 }
 
-/// The result for each item, in the items' order.
 #[cfg(not(feature = "parallel"))]
-pub(crate) fn map<T: Send, R: Send>(items: Vec<T>, f: impl Fn(T) -> R + Send + Sync) -> Vec<R> {
-    items.into_iter().map(f).collect()
-}
-
-/// The result for each number below `count`, in order.
-#[cfg(feature = "parallel")]
-pub(crate) fn collect<R: Send>(count: usize, f: impl Fn(usize) -> R + Send + Sync) -> Vec<R> {
-    use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
-    (0..count).into_par_iter().with_min_len(SEQUENTIAL).map(f).collect()
-}
-
-/// The result for each number below `count`, in order.
-#[cfg(not(feature = "parallel"))]
-pub(crate) fn collect<R: Send>(count: usize, f: impl Fn(usize) -> R + Send + Sync) -> Vec<R> {
-    (0..count).map(f).collect()
+fn extend<R: Send>(all: &mut Vec<R>, numbers: Range<usize>, f: impl Fn(usize) -> R + Send + Sync) {
+    all.extend(numbers.map(f));
 }
 
 /// Up to so many primitives, to wake a second thread takes longer than to look at them.
@@ -44,15 +73,17 @@ pub(crate) const SEQUENTIAL: usize = 1 << 13;
 /// What `part` says of slices of `items`, united. Where they are cut does not depend on the number of threads.
 pub(crate) fn fold<T: Sync, R: Send>(
     items: &[T],
+    progress: &ProgressReporter,
     part: &(impl Fn(&[T]) -> R + Sync),
     unite: &(impl Fn(R, R) -> R + Sync),
-) -> R {
+) -> Result<R, Cancelled> {
     if items.len() <= SEQUENTIAL {
-        return part(items);
+        return Ok(part(items));
     }
+    progress.check()?;
     let (a, b) = items.split_at(items.len() / 2);
-    let (a, b) = join(|| fold(a, part, unite), || fold(b, part, unite));
-    unite(a, b)
+    let (a, b) = try_join(|| fold(a, progress, part, unite), || fold(b, progress, part, unite))?;
+    Ok(unite(a, b))
 }
 
 /// How many threads there are.

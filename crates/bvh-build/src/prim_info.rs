@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use geometry::glam::{Vec3A, Vec4};
 use geometry::{Axis, Bounds3};
 
-use crate::parallel;
+use crate::{Cancelled, ProgressReporter, parallel};
 
 /// One active primitive: its bounds and its index. Builders reorder these in place.
 ///
@@ -33,21 +33,25 @@ impl PrimInfo {
     }
 
     /// The active ones among `count` primitives with these `bounds`, in order.
-    pub(crate) fn active(count: usize, bounds: impl Fn(u32) -> Bounds3 + Sync) -> Vec<Self> {
+    pub(crate) fn active(
+        count: usize,
+        bounds: impl Fn(u32) -> Bounds3 + Sync,
+        progress: &ProgressReporter,
+    ) -> Result<Vec<Self>, Cancelled> {
         let inactive = AtomicBool::new(false);
         // Indices fit: there are at most MAX_PRIMITIVES.
-        let mut active = parallel::collect(count, |i| {
+        let mut active = parallel::collect(count, progress, |i| {
             let bounds = bounds(i as u32);
             if bounds.is_valid() {
                 return Self::new(&bounds, i as u32);
             }
             inactive.store(true, Ordering::Relaxed);
             Self::new(&Bounds3::default(), u32::MAX)
-        });
+        })?;
         if inactive.into_inner() {
             active.retain(|p| p.index() != u32::MAX);
         }
-        active
+        Ok(active)
     }
 
     /// Its index.
@@ -138,7 +142,12 @@ impl Extent {
 
     /// The extent of `prims`.
     pub(crate) fn of(prims: &[PrimInfo]) -> Self {
-        parallel::fold(prims, &|part| part.iter().fold(Self::EMPTY, |extent, p| extent.with(p)), &|a, b| a.union(&b))
+        prims.iter().fold(Self::EMPTY, |extent, p| extent.with(p))
+    }
+
+    /// The extent of many `prims`, in parallel.
+    pub(crate) fn of_many(prims: &[PrimInfo], progress: &ProgressReporter) -> Result<Self, Cancelled> {
+        parallel::fold(prims, progress, &Self::of, &|a, b| a.union(&b))
     }
 
     #[inline]

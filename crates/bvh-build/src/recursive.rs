@@ -4,27 +4,28 @@ use crate::depth::DepthLimit;
 use crate::prim_info::{Extent, PrimInfo};
 use crate::split::split;
 use crate::subtree::{Part, Step};
-use crate::{BuildConfig, Node, SplitAxes, SplitMethod, small};
+use crate::{BuildConfig, Cancelled, Node, ProgressReporter, SplitAxes, SplitMethod, small};
 
 /// A set of primitives to split by one of the methods.
 pub(crate) struct Group<'a> {
     prims: &'a mut [PrimInfo],
     first: usize,
     extent: Extent,
-    rules: &'a Rules,
+    rules: &'a Rules<'a>,
 }
 
 /// What holds for a whole recursion.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Rules {
+#[derive(Clone, Copy)]
+pub(crate) struct Rules<'a> {
     pub(crate) config: BuildConfig,
     pub(crate) limit: DepthLimit,
+    pub(crate) progress: &'a ProgressReporter<'a>,
 }
 
-impl Rules {
+impl<'a> Rules<'a> {
     /// `config`, with no node deeper than `limit`.
-    pub(crate) fn new(config: &BuildConfig, limit: u32) -> Self {
-        Self { config: *config, limit: DepthLimit::new(limit) }
+    pub(crate) fn new(config: &BuildConfig, limit: u32, progress: &'a ProgressReporter) -> Self {
+        Self { config: *config, limit: DepthLimit::new(limit), progress }
     }
 
     /// The same, splitting by `split_method`.
@@ -35,9 +36,9 @@ impl Rules {
 
 impl<'a> Group<'a> {
     /// `prims`, which begin at `first` in the order of all.
-    pub(crate) fn new(prims: &'a mut [PrimInfo], first: usize, rules: &'a Rules) -> Self {
-        let extent = Extent::of(prims);
-        Self { prims, first, extent, rules }
+    pub(crate) fn new(prims: &'a mut [PrimInfo], first: usize, rules: &'a Rules) -> Result<Self, Cancelled> {
+        let extent = Extent::of_many(prims, rules.progress)?;
+        Ok(Self { prims, first, extent, rules })
     }
 }
 
@@ -50,10 +51,10 @@ impl Part for Group<'_> {
         self.first
     }
 
-    fn split(self, depth: u32) -> Step<Self> {
+    fn split(self, depth: u32) -> Result<Step<Self>, Cancelled> {
         let Self { prims, first, extent, rules } = self;
         let is_free = rules.limit.allows_any_split(depth, prims.len());
-        match split(prims, &extent, &rules.config, is_free) {
+        Ok(match split(prims, &extent, rules, is_free)? {
             None => Step::Leaf(extent.bounds.to_bounds()),
             Some(split) => {
                 let (a, b) = prims.split_at_mut(split.middle);
@@ -64,7 +65,7 @@ impl Part for Group<'_> {
                     Self { prims: b, first: first + split.middle, extent: b_extent, rules },
                 )
             }
-        }
+        })
     }
 
     fn finish(&mut self, depth: u32, nodes: &mut Vec<Node>) -> Option<u32> {

@@ -89,13 +89,13 @@ mod tests {
     use crate::depth::MAX_DEPTH;
     use crate::recursive::Group;
     use crate::subtree::{Part, Step};
-    use crate::{BuildConfig, SplitAxes};
+    use crate::{BuildConfig, ProgressReporter, SplitAxes};
     use geometry::glam::Vec3;
 
     /// The same subtree with a sweep, and a sort, for each node.
     fn naive(part: impl Part, depth: u32, nodes: &mut Vec<Node>) -> u32 {
         let (first, count) = (part.first(), part.len());
-        match part.split(depth) {
+        match part.split(depth).expect("nobody cancels") {
             Step::Leaf(bounds) => {
                 nodes.push(leaf(bounds, first, count));
                 depth
@@ -139,12 +139,14 @@ mod tests {
                         .with_max_primitives_in_leaf(leaf)
                         .with_axes(SplitAxes::All)
                         .with_full_sweep(MAX_SWEPT as u32);
-                    let rules = Rules::new(&config, limit);
+                    let progress = ProgressReporter::unobserved();
+                    let rules = Rules::new(&config, limit, &progress);
                     let (mut fast, mut slow) = (boxes(n, seed), boxes(n, seed));
                     let [mut nodes, mut expected] = [vec![], vec![]];
                     let deepest = grow(&mut fast, 7, &rules, 2, &mut nodes);
                     let what = format!("{n} {seed} {leaf} {limit}");
-                    assert_eq!(deepest, naive(Group::new(&mut slow, 7, &rules), 2, &mut expected), "{what}");
+                    let group = Group::new(&mut slow, 7, &rules).expect("nobody cancels");
+                    assert_eq!(deepest, naive(group, 2, &mut expected), "{what}");
                     let kinds = |nodes: &[Node]| nodes.iter().map(|node| node.kind).collect::<Vec<_>>();
                     assert_eq!(kinds(&nodes), kinds(&expected), "{what}");
                     for node in &nodes {

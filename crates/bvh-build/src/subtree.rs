@@ -3,7 +3,7 @@
 use geometry::{Axis, Bounds3};
 
 use crate::parallel::join;
-use crate::{Node, NodeKind};
+use crate::{Cancelled, Node, NodeKind, ProgressReporter};
 
 /// Up to this many primitives a subtree is grown by one thread into one block of nodes.
 const SEQUENTIAL: usize = 4096;
@@ -17,7 +17,7 @@ pub(crate) trait Part: Send + Sized {
     fn first(&self) -> usize;
 
     /// What becomes of it as the node at `depth`, counted from 1 at the root.
-    fn split(self, depth: u32) -> Step<Self>;
+    fn split(self, depth: u32) -> Result<Step<Self>, Cancelled>;
 
     /// Appends the whole subtree to `nodes`, with its root at `depth`, where there is a faster way than to split and
     /// split again; the depth of its deepest node. Second children are relative to the first of `nodes`.
@@ -33,6 +33,12 @@ pub(crate) enum Step<P> {
     Leaf(Bounds3),
     /// An interior node over two parts, the lower along the axis first.
     Interior(Axis, P, P),
+}
+
+/// A step of a large part.
+enum Divided<P> {
+    Leaf(Subtree),
+    Interior(Axis, Box<P>, Box<P>),
 }
 
 /// A finished subtree. Its leaves' ranges are of the primitives as they lie in the builder's array.
@@ -52,26 +58,49 @@ impl Default for Subtree {
 }
 
 impl Subtree {
-    /// The subtree of `part`, with its root at `depth`.
-    pub(crate) fn grow(part: impl Part, depth: u32) -> Self {
+    /// The subtree of `part`, with its root at `depth`. Its primitives are done then.
+    pub(crate) fn grow(part: impl Part, depth: u32, progress: &ProgressReporter) -> Result<Self, Cancelled> {
+        Self::grow_boxed(Box::new(part), depth, progress)
+    }
+
+    /// The same. A tree may be deep, and a worker's stack small: parts are not on it.
+    fn grow_boxed<P: Part>(part: Box<P>, depth: u32, progress: &ProgressReporter) -> Result<Self, Cancelled> {
         if part.len() <= SEQUENTIAL {
-            return Self::grow_block(part, depth);
+            return Self::grow_block(part, depth, progress);
         }
-        let (first, count) = (part.first(), part.len());
-        match part.split(depth) {
-            Step::Leaf(bounds) => Self::Block { nodes: vec![leaf(bounds, first, count)], height: 1 },
-            Step::Interior(axis, a, b) => {
-                let (a, b) = join(move || Self::grow(a, depth + 1), move || Self::grow(b, depth + 1));
-                Self::interior(axis, a, b)
+        match Self::divide(part, depth, progress)? {
+            Divided::Leaf(leaf) => Ok(leaf),
+            Divided::Interior(axis, a, b) => {
+                let (a, b) = join(
+                    move || Self::grow_boxed(a, depth + 1, progress),
+                    move || Self::grow_boxed(b, depth + 1, progress),
+                );
+                Ok(Self::interior(axis, a?, b?))
             }
         }
     }
 
+    #[inline(never)] // For the same reason.
+    #[expect(clippy::boxed_local, reason = "not on the stack of the caller")]
+    fn divide<P: Part>(part: Box<P>, depth: u32, progress: &ProgressReporter) -> Result<Divided<P>, Cancelled> {
+        let (first, count) = (part.first(), part.len());
+        Ok(match part.split(depth)? {
+            Step::Leaf(bounds) => {
+                progress.update(count)?;
+                Divided::Leaf(Self::Block { nodes: vec![leaf(bounds, first, count)], height: 1 })
+            }
+            Step::Interior(axis, a, b) => Divided::Interior(axis, Box::new(a), Box::new(b)),
+        })
+    }
+
     /// As [`grow`](Self::grow), by one thread and with a stack of its own: what is pending are the second children.
-    fn grow_block<P: Part>(part: P, depth: u32) -> Self {
-        let mut nodes = Vec::with_capacity(part.len());
+    #[inline(never)]
+    #[expect(clippy::boxed_local, reason = "not on the stack of the caller")]
+    fn grow_block<P: Part>(part: Box<P>, depth: u32, progress: &ProgressReporter) -> Result<Self, Cancelled> {
+        let count = part.len();
+        let mut nodes = Vec::with_capacity(count);
         let mut deepest = depth;
-        let mut pending = vec![(part, depth, None)];
+        let mut pending = vec![(*part, depth, None)];
         while let Some((mut part, depth, parent)) = pending.pop() {
             deepest = deepest.max(depth);
             if let Some((parent, axis)) = parent {
@@ -84,7 +113,7 @@ impl Subtree {
                 continue;
             }
             let (first, count) = (part.first(), part.len());
-            match part.split(depth) {
+            match part.split(depth)? {
                 Step::Leaf(bounds) => nodes.push(leaf(bounds, first, count)),
                 Step::Interior(axis, a, b) => {
                     pending.push((b, depth + 1, Some((nodes.len(), axis))));
@@ -99,7 +128,8 @@ impl Subtree {
                 nodes[i].bounds = nodes[i + 1].bounds.union(&nodes[second_child as usize].bounds);
             }
         }
-        Self::Block { nodes, height: deepest - depth + 1 }
+        progress.update(count)?;
+        Ok(Self::Block { nodes, height: deepest - depth + 1 })
     }
 
     /// A node over `a` and `b`.
@@ -123,7 +153,8 @@ impl Subtree {
         }
     }
 
-    fn node_count(&self) -> usize {
+    /// How many nodes it has.
+    pub(crate) fn node_count(&self) -> usize {
         match self {
             Self::Block { nodes, .. } => nodes.len(),
             Self::Interior { children, .. } => 1 + children.iter().map(Self::node_count).sum::<usize>(),
@@ -133,17 +164,29 @@ impl Subtree {
     /// All nodes in depth-first order without gaps, and the primitives in the order of the leaves, within a leaf by
     /// index. Since no split depends on the order of its primitives, nothing in the tree does. `index` is that of the
     /// primitive at a place of the builder's array, which has so many.
-    pub(crate) fn assemble(self, count: usize, index: impl Fn(usize) -> u32) -> (Vec<Node>, Vec<u32>) {
+    pub(crate) fn assemble(
+        self,
+        count: usize,
+        index: impl Fn(usize) -> u32,
+        progress: &ProgressReporter,
+    ) -> Result<(Vec<Node>, Vec<u32>), Cancelled> {
         let mut nodes = Vec::with_capacity(self.node_count());
         let mut order = Vec::with_capacity(count);
-        self.append_to(&mut nodes, &mut order, &index);
-        (nodes, order)
+        self.append_to(&mut nodes, &mut order, &index, progress)?;
+        Ok((nodes, order))
     }
 
     // Node indices and places in the order fit 32 bits, since there are at most MAX_PRIMITIVES.
-    fn append_to(self, nodes: &mut Vec<Node>, order: &mut Vec<u32>, index: &impl Fn(usize) -> u32) {
+    fn append_to(
+        self,
+        nodes: &mut Vec<Node>,
+        order: &mut Vec<u32>,
+        index: &impl Fn(usize) -> u32,
+        progress: &ProgressReporter,
+    ) -> Result<(), Cancelled> {
         match self {
             Self::Block { nodes: block, .. } => {
+                progress.update(block.len())?;
                 let offset = nodes.len() as u32;
                 nodes.extend(block.into_iter().map(|mut node| {
                     match &mut node.kind {
@@ -157,14 +200,16 @@ impl Subtree {
                 }));
             }
             Self::Interior { axis, bounds, children, .. } => {
+                progress.update(1)?;
                 let here = nodes.len();
                 let [a, b] = *children;
                 nodes.push(interior(bounds, axis));
-                a.append_to(nodes, order, index);
+                a.append_to(nodes, order, index, progress)?;
                 nodes[here].kind = NodeKind::Interior { axis, second_child: nodes.len() as u32 };
-                b.append_to(nodes, order, index);
+                b.append_to(nodes, order, index, progress)?;
             }
         }
+        Ok(())
     }
 }
 

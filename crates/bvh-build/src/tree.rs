@@ -2,7 +2,7 @@
 
 use geometry::{Axis, Bounds3};
 
-use crate::BuildConfig;
+use crate::{BuildConfig, Cancelled, ProgressReporter};
 
 /// A bounding volume hierarchy over the active ones of the bounds it was built from.
 ///
@@ -79,14 +79,15 @@ impl Tree {
         order: Vec<u32>,
         [active_count, primitive_count]: [usize; 2],
         config: &BuildConfig,
-    ) -> Self {
+        progress: &ProgressReporter,
+    ) -> Result<Self, Cancelled> {
         let statistics = TreeStatistics {
             active_count: active_count as u32,
             inactive_count: (primitive_count - active_count) as u32,
             reference_count: order.len() as u32,
-            ..TreeStatistics::of(&nodes, config)
+            ..TreeStatistics::of(&nodes, config, progress)?
         };
-        Self { nodes, order, statistics }
+        Ok(Self { nodes, order, statistics })
     }
 
     /// All nodes in depth-first order: the root first, every first child directly behind its parent. None where there
@@ -122,7 +123,7 @@ impl Tree {
 
 impl TreeStatistics {
     /// The statistics of `nodes`, without those of primitives.
-    fn of(nodes: &[Node], config: &BuildConfig) -> Self {
+    fn of(nodes: &[Node], config: &BuildConfig, progress: &ProgressReporter) -> Result<Self, Cancelled> {
         let root_area = nodes.first().map_or(0.0, |root| root.bounds.surface_area());
         let t_trav = f64::from(config.traversal_cost);
         let mut statistics = Self { node_count: nodes.len() as u32, ..Self::default() };
@@ -130,6 +131,7 @@ impl TreeStatistics {
         let mut pending: Vec<(usize, u32)> = Vec::new();
         let mut depth = 0;
         for (i, node) in nodes.iter().enumerate() {
+            progress.step(i)?;
             depth = pending.pop_if(|&mut (next, _)| next == i).map_or(depth + 1, |(_, depth)| depth);
             statistics.depth = statistics.depth.max(depth);
             let p = if root_area > 0.0 { node.bounds.surface_area() / root_area } else { 1.0 };
@@ -145,6 +147,6 @@ impl TreeStatistics {
                 }
             };
         }
-        statistics
+        Ok(statistics)
     }
 }

@@ -6,10 +6,9 @@ use geometry::{Bounds3, Hit, HitVisitor, Interval, MappedVisitor, TraversalRay, 
 use primitive::{HitKind, Primitive, PrimitiveList, SurfaceInteraction};
 
 use crate::simd::{Kernel, Lanes, SimdWidth};
-#[cfg(feature = "build")]
-use crate::wide::WideNode;
 use crate::wide::{
-    Child, FullNode, LeafWriter, Line, MAX_LINES, Query, WideTree, collapse, traverse, with_small_leaves,
+    Child, FullNode, LeafWriter, Line, MAX_LINES, NoWideTree, Query, Watch, WideTree, collapse, traverse,
+    with_small_leaves,
 };
 #[cfg(feature = "build")]
 use crate::{BuildConfig, BuildError, BuildObserver};
@@ -39,10 +38,10 @@ impl<P: Primitive> BvhAggregate<P> {
         Self::build_observed(members, config, &())
     }
 
-    /// Builds a tree over `members`, telling `observer` of each phase.
+    /// Builds a tree over `members`; `observer` is told how far it has come, and may cancel it.
     ///
     /// # Errors
-    /// As [`build`](Self::build).
+    /// As [`build`](Self::build); and [`BuildError::Cancelled`].
     #[cfg(feature = "build")]
     pub fn build_observed(
         members: Vec<P>,
@@ -51,8 +50,7 @@ impl<P: Primitive> BvhAggregate<P> {
     ) -> Result<Self, BuildError> {
         let bounds: Vec<Bounds3> = members.iter().map(Primitive::world_bound).collect();
         let bvh = FlatBvh::build(&bounds, config, observer)?;
-        let too_many = BuildError::TooManyPrimitives { count: bounds.len(), limit: MAX_LINES / (1 + FullNode::LINES) };
-        Self::assemble(members, bvh).ok_or(too_many)
+        Self::assemble(members, bvh, &observer).map_err(|why| why.of(bounds.len()))
     }
 
     /// Joins primitives and a tree over their bounds.
@@ -63,15 +61,15 @@ impl<P: Primitive> BvhAggregate<P> {
     pub fn from_parts(members: Vec<P>, bvh: FlatBvh) -> Result<Self, InvalidBvh> {
         bvh.validate_against(members.len(), |i| members[i].world_bound())?;
         let primitive_count = members.len();
-        Self::assemble(members, bvh).ok_or(InvalidBvh::TooLarge { primitive_count })
+        Self::assemble(members, bvh, &()).map_err(|_| InvalidBvh::TooLarge { primitive_count })
     }
 
-    fn assemble(members: Vec<P>, bvh: FlatBvh) -> Option<Self> {
+    fn assemble(members: Vec<P>, bvh: FlatBvh, watch: &impl Watch) -> Result<Self, NoWideTree> {
         if bvh.order().len() > MAX_LINES {
-            return None;
+            return Err(NoWideTree::TooLarge);
         }
-        let wide = collapse::<FullNode>(&*with_small_leaves(&bvh), bvh.extra_references() > 0, &Places)?;
-        Some(Self { list: PrimitiveList::new(members), bvh, wide, width: SimdWidth::default() })
+        let wide = collapse::<FullNode>(&*with_small_leaves(&bvh), bvh.extra_references() > 0, &Places, watch)?;
+        Ok(Self { list: PrimitiveList::new(members), bvh, wide, width: SimdWidth::default() })
     }
 
     /// The same members and tree, traversed with another width; members keep their own.

@@ -11,6 +11,11 @@ use geometry::{
 };
 
 #[cfg(feature = "build")]
+use bvh_build::Phase;
+
+#[cfg(feature = "build")]
+use crate::flatten::observed_collect;
+#[cfg(feature = "build")]
 use crate::{BuildConfig, BuildError, BuildObserver};
 use crate::{FlatBvh, InvalidBvh};
 
@@ -43,10 +48,10 @@ impl MeshBvh {
         Self::build_observed(mesh, config, &())
     }
 
-    /// Builds a tree over `mesh`, telling `observer` of each phase.
+    /// Builds a tree over `mesh`; `observer` is told how far it has come, and may cancel it.
     ///
     /// # Errors
-    /// As [`build`](Self::build).
+    /// As [`build`](Self::build); and [`BuildError::Cancelled`].
     #[cfg(feature = "build")]
     pub fn build_observed(
         mesh: impl Into<Arc<TriangleMesh>>,
@@ -54,9 +59,12 @@ impl MeshBvh {
         observer: &dyn BuildObserver,
     ) -> Result<Self, BuildError> {
         let mesh = mesh.into();
-        let bounds: Vec<Bounds3> = (0..mesh.len()).map(|i| mesh.triangle_bounds(i)).collect();
+        let bounds = observed_collect(observer, Phase::Bounds, mesh.len(), |i| mesh.triangle_bounds(i))?;
         let bvh = FlatBvh::build(&bounds, config, observer)?;
-        Ok(Self::assemble(mesh, bvh))
+        let order = bvh.order();
+        let ordered_vertices =
+            observed_collect(observer, Phase::Emission, order.len(), |place| mesh.vertices(order[place] as usize))?;
+        Ok(Self::of(MeshTree { mesh, bvh, ordered_vertices }))
     }
 
     /// Joins a mesh and a tree over its triangles' bounds.
@@ -67,12 +75,12 @@ impl MeshBvh {
     pub fn from_parts(mesh: impl Into<Arc<TriangleMesh>>, bvh: FlatBvh) -> Result<Self, InvalidBvh> {
         let mesh = mesh.into();
         bvh.validate_against(mesh.len(), |i| mesh.triangle_bounds(i))?;
-        Ok(Self::assemble(mesh, bvh))
+        let ordered_vertices = bvh.order().iter().map(|&i| mesh.vertices(i as usize)).collect();
+        Ok(Self::of(MeshTree { mesh, bvh, ordered_vertices }))
     }
 
-    fn assemble(mesh: Arc<TriangleMesh>, bvh: FlatBvh) -> Self {
-        let ordered_vertices = bvh.order().iter().map(|&i| mesh.vertices(i as usize)).collect();
-        Self { tree: Arc::new(MeshTree { mesh, bvh, ordered_vertices }), kernels: PhantomData }
+    fn of(tree: MeshTree) -> Self {
+        Self { tree: Arc::new(tree), kernels: PhantomData }
     }
 }
 

@@ -19,11 +19,11 @@ use crate::refit::ratio;
 use crate::simd::LANES;
 use crate::simd::SimdWidth;
 use crate::wide::{
-    All, Answered, AnyQuery, BinaryTree, Blocks, ClosestQuery, Compact, CompactNode, FullNode, LARGE, TriangleWriter,
-    Triangles, answer, answer_many, boxes, collapse, leaf_cost, refit, with_small_leaves,
+    All, Answered, AnyQuery, BinaryTree, Blocks, ClosestQuery, Compact, CompactNode, FullNode, LARGE, NoWideTree,
+    TriangleWriter, Triangles, Watch, answer, answer_many, boxes, collapse, leaf_cost, refit, with_small_leaves,
 };
 #[cfg(feature = "build")]
-use crate::wide::{LEAF_COST, MAX_LINES, TRIANGLE_COST, WideNode};
+use crate::wide::{LEAF_COST, TRIANGLE_COST};
 #[cfg(feature = "build")]
 use crate::{BuildConfig, BuildError, BuildObserver};
 use crate::{MeshBvh, RaySegment, RefitError};
@@ -41,7 +41,7 @@ const PARALLEL_CHUNK: usize = 4096;
 /// depend on a tree, a layout or the width of registers.
 #[derive(Clone, Debug)]
 pub struct WideMesh {
-    triangles: Arc<Triangles>,
+    pub(crate) triangles: Arc<Triangles>,
     layout: WideLayout,
     width: SimdWidth,
 }
@@ -102,10 +102,10 @@ impl WideMesh {
         Self::build_observed(mesh, config, WideLayout::Blocks, &())
     }
 
-    /// Builds a tree over `mesh` in a layout, telling `observer` of each phase.
+    /// Builds a tree over `mesh` in a layout; `observer` is told how far it has come, and may cancel it.
     ///
     /// # Errors
-    /// As [`build`](Self::build).
+    /// As [`build`](Self::build); and [`BuildError::Cancelled`].
     #[cfg(feature = "build")]
     pub fn build_observed(
         mesh: impl Into<Arc<TriangleMesh>>,
@@ -118,16 +118,15 @@ impl WideMesh {
         let clipped = |i: u32, to: &Bounds3| clipped_triangle_bounds(&mesh.vertices(i as usize), to);
         let tree = bvh_build::build_split(mesh.len(), bounds, &clipped, &binary_config(config), observer)?;
         let is_split = tree.statistics().reference_count > tree.statistics().active_count;
-        // At most a line for each triangle and a node for each but one always fit; most meshes need a fifth of that.
-        let limit = MAX_LINES / (1 + FullNode::LINES);
-        Self::collapsed(&mesh, tree.nodes(), tree.order(), is_split, layout)
-            .ok_or(BuildError::TooManyPrimitives { count: mesh.len(), limit })
+        Self::collapsed(&mesh, tree.nodes(), tree.order(), is_split, layout, &observer)
+            .map_err(|why| why.of(mesh.len()))
     }
 
     /// Collapses the tree of a mesh. `None` where it does not fit the 16 GiB that its references can name.
     pub fn new(mesh: &MeshBvh, layout: WideLayout) -> Option<Self> {
         let bvh = mesh.bvh();
-        Self::collapsed(mesh.mesh(), &*with_small_leaves(bvh), bvh.order(), bvh.extra_references() > 0, layout)
+        let is_split = bvh.extra_references() > 0;
+        Self::collapsed(mesh.mesh(), &*with_small_leaves(bvh), bvh.order(), is_split, layout, &()).ok()
     }
 
     fn collapsed(
@@ -136,17 +135,18 @@ impl WideMesh {
         order: &[u32],
         is_split: bool,
         layout: WideLayout,
-    ) -> Option<Self> {
+        watch: &impl Watch,
+    ) -> Result<Self, NoWideTree> {
         let tree = match layout {
             WideLayout::Blocks => {
-                collapse::<FullNode>(tree, is_split, &TriangleWriter::<Blocks>::new(mesh, order, is_split))?
+                collapse::<FullNode>(tree, is_split, &TriangleWriter::<Blocks>::new(mesh, order, is_split), watch)?
             }
             WideLayout::Compact => {
-                collapse::<CompactNode>(tree, is_split, &TriangleWriter::<Compact>::new(mesh, order, is_split))?
+                collapse::<CompactNode>(tree, is_split, &TriangleWriter::<Compact>::new(mesh, order, is_split), watch)?
             }
         };
         let triangles = Arc::new(Triangles { mesh: Arc::clone(mesh), tree });
-        Some(Self { triangles, layout, width: SimdWidth::default() })
+        Ok(Self { triangles, layout, width: SimdWidth::default() })
     }
 
     /// Adapts the tree to another mesh of as many triangles, whose places changed: the same triangles stay in the same leaves,

@@ -21,6 +21,7 @@ mod subject;
 mod triangles;
 
 pub use aim::{Aim, aimed_rays};
+pub use build::adversarial_meshes;
 pub use cache::{check_fuzzed, files_with_huge_counts, fuzzed_mesh};
 pub use outcome::{Outcome, Tries};
 pub use random::Random;

@@ -12,6 +12,7 @@ use bvh_flat::{FlatBvh, MeshBvh, WideLayout, WideMesh};
 use clap::{Args, Subcommand, ValueEnum};
 use scene::{Scene, SceneShape};
 
+use crate::build_bar::BuildBar;
 use crate::input::{self, SCENE_HELP, SceneSource, SplitMethodName};
 use crate::table::count;
 
@@ -142,12 +143,12 @@ fn build(arguments: &BuildArguments) -> Result<()> {
         let path = arguments.out.clone().unwrap_or_else(|| arguments.dir.join(options.file_name(key)));
         let length = match options.layout() {
             TreeLayout::Wide(layout) => {
-                let tree = WideMesh::build_observed(mesh, &config, layout, &())?;
+                let tree = WideMesh::build_observed(mesh, &config, layout, &BuildBar::new())?;
                 tree.save(&path, &options).with_context(|| path.display().to_string())?;
                 tree.file_length()
             }
             TreeLayout::Binary => {
-                let tree = MeshBvh::build(mesh, &config)?;
+                let tree = MeshBvh::build_observed(mesh, &config, &BuildBar::new())?;
                 tree.bvh().save(&path, key, &options).with_context(|| path.display().to_string())?;
                 tree.bvh().file_length()
             }

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use anyhow::{Result, bail};
+use bvh_flat::BuildError;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::configuration::TreeName;
@@ -43,8 +44,18 @@ impl std::fmt::Display for Interrupted {
 
 impl std::error::Error for Interrupted {}
 
+/// Whether the sweep is to end.
+pub fn is_interrupted() -> bool {
+    IS_INTERRUPTED.load(Ordering::Relaxed)
+}
+
 fn check_interrupted() -> Result<()> {
-    if IS_INTERRUPTED.load(Ordering::SeqCst) { bail!(Interrupted) } else { Ok(()) }
+    if is_interrupted() { bail!(Interrupted) } else { Ok(()) }
+}
+
+/// The error of a build that ends when the sweep does.
+pub fn build_error(error: BuildError) -> anyhow::Error {
+    if error == BuildError::Cancelled { Interrupted.into() } else { error.into() }
 }
 
 /// Scenes with more primitives than these are built in one timed round: one takes seconds.
@@ -169,10 +180,10 @@ impl Session<'_> {
                         &own
                     }
                 },
-                BuildClock::default(),
+                BuildClock::until(is_interrupted),
             );
             let (time, built) = timed(|| pool.install(|| Trees::build(&workshop.scene, tree, &clock)));
-            drop(built?);
+            drop(built.map_err(build_error)?);
             let phases: BTreeMap<String, f64> =
                 clock.phases().into_iter().map(|(name, time)| (name, time.as_secs_f64())).collect();
             for result in &mut asked {

@@ -14,6 +14,7 @@ use super::occlusion::Occlusion;
 use super::plan::Plan;
 use super::quality::quality;
 use super::results::TreeFigures;
+use super::run::{build_error, is_interrupted};
 use super::subject::{Trees, batch_rays};
 use crate::errors::Truth;
 use crate::input::{self, SEED, SceneSource, SplitMethodName};
@@ -75,8 +76,9 @@ impl<'a> Workshop<'a> {
             reference: OnceLock::new(),
         };
         if workshop.default_among_trees().is_none() {
-            let build = || CompiledScene::build(Arc::clone(&workshop.scene), &SplitMethodName::Sah.config(), &());
-            workshop.own = Some(pool.install(build)?);
+            let clock = BuildClock::until(is_interrupted);
+            let build = || CompiledScene::build(Arc::clone(&workshop.scene), &SplitMethodName::Sah.config(), &clock);
+            workshop.own = Some(pool.install(build).map_err(build_error)?);
         }
         progress("aim rays")?;
         workshop.sets = workshop.aim()?;
@@ -139,8 +141,8 @@ impl<'a> Workshop<'a> {
 
 /// Builds trees without a clock: caches and pages are warm then, and none pays for being the first.
 fn build(scene: &Arc<Scene>, name: TreeName, pool: &rayon::ThreadPool) -> Result<BuiltTrees> {
-    let clock = BuildClock::default();
-    let trees = pool.install(|| Trees::build(scene, &name, &clock))?;
+    let clock = BuildClock::until(is_interrupted);
+    let trees = pool.install(|| Trees::build(scene, &name, &clock)).map_err(build_error)?;
     let statistics = clock.trees();
     let sum = |f: fn(&TreeStatistics) -> u32| statistics.iter().map(|t| u64::from(f(t))).sum::<u64>();
     let weighted_cost: f64 = statistics.iter().map(|t| t.sah_cost * f64::from(t.active_count)).sum();

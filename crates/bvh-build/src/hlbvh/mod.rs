@@ -6,39 +6,63 @@ mod treelet;
 mod upper_sah;
 
 use crate::morton::MortonGrid;
-use crate::observer::observed;
 use crate::parallel;
 use crate::prim_info::{Extent, PrimInfo};
-use crate::{BuildConfig, BuildObserver, Node, Phase};
+use crate::{BuildConfig, BuildObserver, Cancelled, Node, Phase, ProgressReporter};
 use coded::Coded;
 
 /// How many of a code's bits, from the highest, name the treelet.
 const TREELET_BITS: u32 = 12;
 
 /// The nodes and the order of the tree over `prims`, of which there is one at least.
-pub(crate) fn build(prims: &[PrimInfo], config: &BuildConfig, observer: &dyn BuildObserver) -> (Vec<Node>, Vec<u32>) {
-    observer.begin(Phase::MortonCodes);
-    let grid = MortonGrid::new(prims, &Extent::of(prims), config.morton_bits);
-    if grid.code_bits() <= <u64 as Coded>::CODE_BITS {
-        build_coded::<u64>(&grid, prims, config, observer)
-    } else {
-        build_coded::<u128>(&grid, prims, config, observer)
-    }
-}
-
-/// The same with codes of the length of `C`; the first phase has begun.
-fn build_coded<C: Coded>(
-    grid: &MortonGrid,
+pub(crate) fn build(
     prims: &[PrimInfo],
     config: &BuildConfig,
     observer: &dyn BuildObserver,
-) -> (Vec<Node>, Vec<u32>) {
-    let mut coded = parallel::collect(prims.len(), |place| C::new(grid.code(&prims[place]), place as u32));
-    observer.end(Phase::MortonCodes);
-    observed(observer, Phase::Sort, || sort::sort(&mut coded));
-    let low_bits = grid.code_bits() - TREELET_BITS;
-    let treelets = observed(observer, Phase::Treelets, || treelet::build(&mut coded, low_bits, prims, config));
-    let root = observed(observer, Phase::UpperTree, || upper_sah::build(treelets, config));
+) -> Result<(Vec<Node>, Vec<u32>), Cancelled> {
+    let codes = ProgressReporter::observe(observer, Phase::MortonCodes, prims.len(), |progress| {
+        let extent = Extent::of_many(prims, progress)?;
+        let grid = MortonGrid::new(prims, &extent, config.morton_bits, progress)?;
+        let low_bits = grid.code_bits() - TREELET_BITS;
+        Ok(if grid.code_bits() <= <u64 as Coded>::CODE_BITS {
+            Codes::Short(coded(prims, &grid, progress)?, low_bits)
+        } else {
+            Codes::Long(coded(prims, &grid, progress)?, low_bits)
+        })
+    })?;
+    match codes {
+        Codes::Short(coded, low_bits) => build_coded(coded, low_bits, prims, config, observer),
+        Codes::Long(coded, low_bits) => build_coded(coded, low_bits, prims, config, observer),
+    }
+}
+
+/// The codes of all primitives, and how many of their bits do not name the treelet.
+enum Codes {
+    Short(Vec<u64>, u32),
+    Long(Vec<u128>, u32),
+}
+
+fn coded<C: Coded>(prims: &[PrimInfo], grid: &MortonGrid, progress: &ProgressReporter) -> Result<Vec<C>, Cancelled> {
+    parallel::collect(prims.len(), progress, |place| C::new(grid.code(&prims[place]), place as u32))
+}
+
+fn build_coded<C: Coded>(
+    mut coded: Vec<C>,
+    low_bits: u32,
+    prims: &[PrimInfo],
+    config: &BuildConfig,
+    observer: &dyn BuildObserver,
+) -> Result<(Vec<Node>, Vec<u32>), Cancelled> {
+    let n = prims.len();
+    ProgressReporter::observe(observer, Phase::Sort, n, |progress| sort::sort(&mut coded, progress))?;
+    let treelets = ProgressReporter::observe(observer, Phase::Treelets, n, |progress| {
+        treelet::build(&mut coded, low_bits, prims, config, progress)
+    })?;
+    let root = ProgressReporter::observe(observer, Phase::UpperTree, treelets.len(), |progress| {
+        upper_sah::build(treelets, config, progress)
+    })?;
     // The treelets have left the primitives' indices there.
-    observed(observer, Phase::Assembly, || root.assemble(coded.len(), |place| coded[place].number()))
+    ProgressReporter::observe(observer, Phase::Assembly, root.node_count(), |progress| {
+        root.assemble(n, |place| coded[place].number(), progress)
+    })
 }

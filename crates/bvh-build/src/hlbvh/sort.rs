@@ -6,7 +6,7 @@
 use std::mem::take;
 
 use super::coded::Coded;
-use crate::parallel;
+use crate::{Cancelled, ProgressReporter, parallel};
 
 /// Up to so many are sorted by one thread, from the lowest bits.
 const SEQUENTIAL: usize = 1 << 13;
@@ -18,21 +18,23 @@ const FEW: usize = 64;
 const DIGIT_BITS: u32 = 11;
 
 /// Sorts by code; of equal codes the smaller number, which must come first already, stays first.
-pub(super) fn sort<C: Coded>(coded: &mut [C]) {
+pub(super) fn sort<C: Coded>(coded: &mut [C], progress: &ProgressReporter) -> Result<(), Cancelled> {
     if coded.len() <= FEW {
-        return coded.sort_unstable();
+        coded.sort_unstable();
+        return progress.update(coded.len());
     }
-    let Some(bits) = differing_bits(coded) else { return };
+    let Some(bits) = differing_bits(coded, progress)? else { return progress.update(coded.len()) };
     if coded.len() <= SEQUENTIAL {
-        return match bits {
+        match bits {
             ..=32 => radsort::sort_by_key(coded, |c| c.code() as u32),
             _ => radsort::sort_by_key(coded, |c| c.code()),
-        };
+        }
+        return progress.update(coded.len());
     }
     let shift = bits.saturating_sub(DIGIT_BITS);
     let digit = |c: C| (c.code() >> shift) as usize & ((1 << DIGIT_BITS) - 1);
     let mut sorted = vec![C::default(); coded.len()];
-    let ends = distribute(coded, &mut sorted, digit);
+    let ends = distribute(coded, &mut sorted, digit, progress)?;
     let (mut parts, mut rest) = (Vec::new(), (coded, sorted.as_mut_slice()));
     let mut begin = 0;
     for end in ends {
@@ -45,28 +47,36 @@ pub(super) fn sort<C: Coded>(coded: &mut [C]) {
     }
     parallel::map(parts, |(to, from)| {
         to.copy_from_slice(from);
-        if shift > 0 {
-            sort(to);
-        }
-    });
+        if shift > 0 { sort(to, progress) } else { progress.update(to.len()) }
+    })?;
+    Ok(())
 }
 
-/// How many of the lowest bits differ anywhere; `None` where all codes are equal.
-fn differing_bits<C: Coded>(coded: &[C]) -> Option<u32> {
-    let first = coded.first()?.code();
+/// How many of the lowest bits differ anywhere; `None` where all codes, of which there is one at least, are equal.
+fn differing_bits<C: Coded>(coded: &[C], progress: &ProgressReporter) -> Result<Option<u32>, Cancelled> {
+    let first = coded[0].code();
     let part = |part: &[C]| part.iter().fold(0, |all, c| all | (c.code() ^ first));
-    parallel::fold(coded, &part, &|a, b| a | b).checked_ilog2().map(|bit| bit + 1)
+    let differing = parallel::fold(coded, progress, &part, &|a, b| a | b)?;
+    Ok(differing.checked_ilog2().map(|bit| bit + 1))
 }
 
 /// Writes `coded` to `sorted` by digits, of equal ones in the order in which they are; where each digit's end.
-fn distribute<C: Coded>(coded: &[C], sorted: &mut [C], digit: impl Fn(C) -> usize + Sync) -> Vec<usize> {
+fn distribute<C: Coded>(
+    coded: &[C],
+    sorted: &mut [C],
+    digit: impl Fn(C) -> usize + Sync,
+    progress: &ProgressReporter,
+) -> Result<Vec<usize>, Cancelled> {
     // Each thread has a chunk, and in the run of each digit the place behind that of the chunk before.
     let chunks: Vec<&[C]> = coded.chunks(coded.len().div_ceil(parallel::threads()).max(SEQUENTIAL)).collect();
     let counts = parallel::map(chunks.clone(), |chunk| {
         let mut counts = vec![0_usize; 1 << DIGIT_BITS];
-        chunk.iter().for_each(|&c| counts[digit(c)] += 1);
-        counts
-    });
+        for part in chunk.chunks(SEQUENTIAL) {
+            progress.check()?;
+            part.iter().for_each(|&c| counts[digit(c)] += 1);
+        }
+        Ok(counts)
+    })?;
     let mut rooms: Vec<Vec<&mut [C]>> = chunks.iter().map(|_| Vec::with_capacity(1 << DIGIT_BITS)).collect();
     let mut ends = Vec::with_capacity(1 << DIGIT_BITS);
     let (mut rest, mut end) = (sorted, 0);
@@ -79,14 +89,18 @@ fn distribute<C: Coded>(coded: &[C], sorted: &mut [C], digit: impl Fn(C) -> usiz
         ends.push(end);
     }
     parallel::map(chunks.into_iter().zip(rooms).collect(), |(chunk, mut rooms)| {
-        for &c in chunk {
-            if let Some((first, behind)) = take(&mut rooms[digit(c)]).split_first_mut() {
-                *first = c;
-                rooms[digit(c)] = behind;
+        for part in chunk.chunks(SEQUENTIAL) {
+            progress.check()?;
+            for &c in part {
+                if let Some((first, behind)) = take(&mut rooms[digit(c)]).split_first_mut() {
+                    *first = c;
+                    rooms[digit(c)] = behind;
+                }
             }
         }
-    });
-    ends
+        Ok(())
+    })?;
+    Ok(ends)
 }
 
 #[cfg(test)]
@@ -102,7 +116,7 @@ mod tests {
             })
             .collect();
         let (mut sorted, mut naive) = (coded.clone(), coded);
-        sort(&mut sorted);
+        sort(&mut sorted, &ProgressReporter::unobserved()).expect("nobody cancels");
         naive.sort_by_key(|c| (c.code(), c.number()));
         assert!(sorted == naive, "{n} {mask:x}");
     }

@@ -10,7 +10,7 @@ use crate::parallel;
 use crate::prim_info::{Bounds3A, PrimInfo};
 use crate::recursive::{Group, Rules};
 use crate::subtree::{Part, Step, Subtree};
-use crate::{BuildConfig, Node, SplitMethod};
+use crate::{BuildConfig, Cancelled, Node, ProgressReporter, SplitMethod};
 
 /// The height that no treelet exceeds: above it there must be room for a balanced tree over all treelets.
 ///
@@ -25,8 +25,9 @@ pub(super) fn build<C: Coded>(
     low_bits: u32,
     prims: &[PrimInfo],
     config: &BuildConfig,
-) -> Vec<Subtree> {
-    let rules = Rules::new(config, MAX_HEIGHT).with_split_method(SplitMethod::Sah);
+    progress: &ProgressReporter,
+) -> Result<Vec<Subtree>, Cancelled> {
+    let rules = Rules::new(config, MAX_HEIGHT, progress).with_split_method(SplitMethod::Sah);
     let mut treelets = Vec::new();
     let mut first = 0;
     for coded in coded.chunk_by_mut(|a, b| a.code() >> low_bits == b.code() >> low_bits) {
@@ -35,19 +36,34 @@ pub(super) fn build<C: Coded>(
         treelets.push((begin, coded));
     }
     parallel::map(treelets, |(first, coded)| {
-        let mut own = parallel::collect(coded.len(), |i| prims[coded[i].number() as usize]);
-        let subtree = Subtree::grow(TreeletPart::Coded { coded: &*coded, prims: &mut own, first, rules: &rules }, 1);
+        let mut own = gathered(prims, coded, progress)?;
+        let part = TreeletPart::Coded { coded: &*coded, prims: &mut own, first, rules: &rules };
+        let subtree = Subtree::grow(part, 1, progress)?;
         for (coded, p) in coded.iter_mut().zip(&own) {
             *coded = C::new(0, p.index());
         }
-        subtree
+        Ok(subtree)
     })
+}
+
+/// The primitives at the places that `coded` has, in its order.
+fn gathered<C: Coded>(
+    prims: &[PrimInfo],
+    coded: &[C],
+    progress: &ProgressReporter,
+) -> Result<Vec<PrimInfo>, Cancelled> {
+    let mut gathered = Vec::with_capacity(coded.len());
+    for part in coded.chunks(parallel::SEQUENTIAL) {
+        progress.check()?;
+        gathered.extend(part.iter().map(|c| prims[c.number() as usize]));
+    }
+    Ok(gathered)
 }
 
 /// A part of a treelet.
 enum TreeletPart<'a, C> {
     /// Primitives in the order of their codes.
-    Coded { coded: &'a [C], prims: &'a mut [PrimInfo], first: usize, rules: &'a Rules },
+    Coded { coded: &'a [C], prims: &'a mut [PrimInfo], first: usize, rules: &'a Rules<'a> },
     /// Primitives of one cell, which only their bounds can tell apart. pbrt makes them a leaf, however many they are;
     /// where a few far primitives stretch the grid, that can be nearly all of a scene.
     Cell(Group<'a>),
@@ -68,28 +84,28 @@ impl<C: Coded> Part for TreeletPart<'_, C> {
         }
     }
 
-    fn split(self, depth: u32) -> Step<Self> {
+    fn split(self, depth: u32) -> Result<Step<Self>, Cancelled> {
         let (coded, prims, first, rules) = match self {
             Self::Coded { coded, prims, first, rules } => (coded, prims, first, rules),
             Self::Cell(group) => return split_cell(group, depth),
         };
         if coded.len() <= rules.config.max_primitives_in_leaf as usize {
-            return Step::Leaf(bounds_of(prims));
+            return Ok(Step::Leaf(bounds_of(prims)));
         }
         // The codes are sorted: the first and the last differ in the highest bit in which any two do. pbrt asks bit
         // after bit.
         let differing = coded.first().zip(coded.last()).map_or(0, |(a, b)| a.code() ^ b.code());
         let Some(bit) = differing.checked_ilog2() else {
-            return split_cell(Group::new(prims, first, rules), depth);
+            return split_cell(Group::new(prims, first, rules)?, depth);
         };
         let middle = coded.partition_point(|c| c.code() >> bit & 1 == 0);
         let (a_coded, b_coded) = coded.split_at(middle);
         let (a, b) = prims.split_at_mut(middle);
-        Step::Interior(
+        Ok(Step::Interior(
             axis_of_bit(bit),
             Self::Coded { coded: a_coded, prims: a, first, rules },
             Self::Coded { coded: b_coded, prims: b, first: first + middle, rules },
-        )
+        ))
     }
 
     fn finish(&mut self, depth: u32, nodes: &mut Vec<Node>) -> Option<u32> {
@@ -100,11 +116,11 @@ impl<C: Coded> Part for TreeletPart<'_, C> {
     }
 }
 
-fn split_cell<C>(group: Group, depth: u32) -> Step<TreeletPart<C>> {
-    match group.split(depth) {
+fn split_cell<C>(group: Group, depth: u32) -> Result<Step<TreeletPart<C>>, Cancelled> {
+    Ok(match group.split(depth)? {
         Step::Leaf(bounds) => Step::Leaf(bounds),
         Step::Interior(axis, a, b) => Step::Interior(axis, TreeletPart::Cell(a), TreeletPart::Cell(b)),
-    }
+    })
 }
 
 fn bounds_of(prims: &[PrimInfo]) -> Bounds3 {

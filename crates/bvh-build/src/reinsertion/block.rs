@@ -3,7 +3,7 @@
 use super::moves;
 use super::search::{Move, best_place};
 use super::topology::{ROOT, Topology};
-use crate::parallel;
+use crate::{Cancelled, ProgressReporter, parallel};
 
 /// How many candidates make the next block, after so many: few while each may be in the others' way, then ever more.
 pub(super) fn size(examined: usize) -> usize {
@@ -45,8 +45,8 @@ impl Mover {
     }
 
     /// Looks for a better place for each of `candidates`, and makes the moves that gain, the best first.
-    pub(super) fn improve(&mut self, candidates: &[u32]) {
-        let mut moves = self.search(candidates);
+    pub(super) fn improve(&mut self, candidates: &[u32], progress: &ProgressReporter) -> Result<(), Cancelled> {
+        let mut moves = self.search(candidates, progress)?;
         moves.sort_unstable_by(|a, b| b.gain.total_cmp(&a.gain).then(a.from.cmp(&b.from)));
         for Move { from, to, .. } in moves {
             // What was found for these slots is of nodes that are elsewhere now.
@@ -65,16 +65,20 @@ impl Mover {
             }
         }
         self.stale.drain(..).for_each(|slot| self.is_stale[slot as usize] = false);
+        Ok(())
     }
 
-    fn search(&self, candidates: &[u32]) -> Vec<Move> {
+    fn search(&self, candidates: &[u32], progress: &ProgressReporter) -> Result<Vec<Move>, Cancelled> {
         const CHUNK: usize = 64;
         let search = |chunk: &[u32]| {
             let mut pending = Vec::new();
             let places =
                 chunk.iter().filter_map(|&from| best_place(&self.topology, from, self.least_gain, &mut pending));
-            places.collect::<Vec<_>>()
+            let found = places.collect::<Vec<_>>();
+            progress.update(chunk.len())?;
+            Ok(found)
         };
-        parallel::map(candidates.chunks(CHUNK.min(candidates.len().div_ceil(2))).collect(), search).concat()
+        let chunks = candidates.chunks(CHUNK.min(candidates.len().div_ceil(2))).collect();
+        Ok(parallel::map(chunks, search)?.concat())
     }
 }

@@ -5,12 +5,17 @@ use geometry::{Axis, Bounds3};
 
 use super::topology::{ROOT, Topology};
 use crate::subtree::interior;
-use crate::{Node, NodeKind};
+use crate::{Cancelled, Node, NodeKind, ProgressReporter};
 
 /// The nodes of `topology`, depth first, and the order of the primitives. Leaves are those of `old_nodes`, with their
 /// ranges of `old_order`. The children of a node are divided along the axis on which their centroids are furthest
 /// apart, the lower one first.
-pub(super) fn emit(topology: &Topology, old_nodes: &[Node], old_order: &[u32]) -> (Vec<Node>, Vec<u32>) {
+pub(super) fn emit(
+    topology: &Topology,
+    old_nodes: &[Node],
+    old_order: &[u32],
+    progress: &ProgressReporter,
+) -> Result<(Vec<Node>, Vec<u32>), Cancelled> {
     let leaves: Vec<(Bounds3, u32, u32)> = old_nodes
         .iter()
         .filter_map(|node| match node.kind {
@@ -22,6 +27,7 @@ pub(super) fn emit(topology: &Topology, old_nodes: &[Node], old_order: &[u32]) -
     let mut order = Vec::with_capacity(old_order.len());
     let mut pending = vec![(ROOT, None)];
     while let Some((slot, parent)) = pending.pop() {
+        progress.check_step(nodes.len())?;
         if let Some((parent, axis)) = parent {
             let second_child = nodes.len() as u32;
             let parent: &mut Node = &mut nodes[parent];
@@ -40,11 +46,12 @@ pub(super) fn emit(topology: &Topology, old_nodes: &[Node], old_order: &[u32]) -
     }
     // Children lie behind their parents, so from the back every child is ready before its parent.
     for i in (0..nodes.len()).rev() {
+        progress.check_step(i)?;
         if let NodeKind::Interior { second_child, .. } = nodes[i].kind {
             nodes[i].bounds = nodes[i + 1].bounds.union(&nodes[second_child as usize].bounds);
         }
     }
-    (nodes, order)
+    Ok((nodes, order))
 }
 
 /// The axis on which the centroids of two nodes are furthest apart, and the nodes, the lower one first; of equals the

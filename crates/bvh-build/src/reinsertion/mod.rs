@@ -26,9 +26,7 @@ mod search;
 mod tests;
 mod topology;
 
-use std::ops::ControlFlow;
-
-use crate::{BuildObserver, Node, NodeKind};
+use crate::{BuildObserver, Cancelled, Node, NodeKind, ProgressReporter};
 use block::Mover;
 use topology::{ROOT, Topology};
 
@@ -41,43 +39,58 @@ pub(crate) fn optimize(
     order: Vec<u32>,
     options: &Reinsertion,
     observer: &dyn BuildObserver,
-) -> (Vec<Node>, Vec<u32>) {
+    progress: &ProgressReporter,
+) -> Result<(Vec<Node>, Vec<u32>), Cancelled> {
     let root_area = nodes.first().map_or(0.0, |root| root.bounds.surface_area());
     if root_area == 0.0 || nodes.len() < 4 {
-        return (nodes, order);
+        return Ok((nodes, order));
     }
-    let mut mover = Mover::new(Topology::new(&nodes));
-    if run(&mut mover, options, observer).is_continue() && mover.moved() == 0 {
-        return (nodes, order);
+    let mut mover = Mover::new(Topology::new(&nodes, progress)?);
+    run(&mut mover, options, observer, progress)?;
+    if mover.moved() == 0 {
+        return Ok((nodes, order));
     }
-    let optimized = emit::emit(mover.topology(), &nodes, &order);
+    let optimized = emit::emit(mover.topology(), &nodes, &order, progress)?;
     // Moves gain more than rounding loses, but for sums of very many.
-    if interior_area(&optimized.0) < interior_area(&nodes) { optimized } else { (nodes, order) }
+    Ok(if interior_area(&optimized.0) < interior_area(&nodes) { optimized } else { (nodes, order) })
+}
+
+/// How many candidates are examined at most in a tree of so many nodes.
+pub(crate) fn most_examined(node_count: usize, options: &Reinsertion) -> usize {
+    (options.passes as usize).saturating_mul(candidates::most(Topology::slots_of(node_count), options.fraction))
 }
 
 /// All passes, unless one moves nothing or the observer has enough.
-fn run(mover: &mut Mover, options: &Reinsertion, observer: &dyn BuildObserver) -> ControlFlow<()> {
+fn run(
+    mover: &mut Mover,
+    options: &Reinsertion,
+    observer: &dyn BuildObserver,
+    progress: &ProgressReporter,
+) -> Result<(), Cancelled> {
     for pass in 0..options.passes {
-        let candidates = candidates::choose(mover.topology(), options.fraction);
+        let candidates = candidates::choose(mover.topology(), options.fraction, progress)?;
         let moved_before = mover.moved();
         let mut examined = 0;
         while examined < candidates.len() {
             let end = candidates.len().min(examined + block::size(examined));
-            mover.improve(&candidates[examined..end]);
+            mover.improve(&candidates[examined..end], progress)?;
             examined = end;
-            observer.reinserted(&ReinsertionProgress {
+            let flow = observer.reinserted(&ReinsertionProgress {
                 pass,
                 examined: examined as u64,
                 candidates: candidates.len() as u64,
                 moved: mover.moved(),
                 saved: mover.saved() / mover.topology().bounds(ROOT).surface_area(),
-            })?;
+            });
+            if flow.is_break() {
+                return Ok(());
+            }
         }
         if mover.moved() == moved_before {
             break;
         }
     }
-    ControlFlow::Continue(())
+    Ok(())
 }
 
 /// The areas of all interior nodes together.

@@ -10,7 +10,7 @@ use super::search::best_place;
 use super::topology::{ROOT, Topology};
 use crate::depth::MAX_DEPTH;
 use crate::prim_info::Bounds3A;
-use crate::{BuildConfig, Node, NodeKind, SplitMethod, Tree, build};
+use crate::{BuildConfig, Node, NodeKind, ProgressReporter, SplitMethod, Tree, build};
 
 fn boxes(n: u32, seed: u64) -> Vec<Bounds3> {
     let mut state = seed;
@@ -31,6 +31,14 @@ fn boxes(n: u32, seed: u64) -> Vec<Bounds3> {
 fn poor_tree(n: u32, seed: u64) -> Tree {
     let config = BuildConfig::new(SplitMethod::EqualCounts).with_max_primitives_in_leaf(1);
     build(&boxes(n, seed), &config).expect("valid")
+}
+
+fn topology(nodes: &[Node]) -> Topology {
+    Topology::new(nodes, &ProgressReporter::unobserved()).expect("nobody cancels")
+}
+
+fn choose(topology: &Topology, fraction: f32) -> Vec<u32> {
+    candidates::choose(topology, fraction, &ProgressReporter::unobserved()).expect("nobody cancels")
 }
 
 fn slots(topology: &Topology) -> Vec<u32> {
@@ -79,7 +87,7 @@ fn close(a: f64, b: f64) -> bool {
 fn every_move_gains_what_it_says_and_leaves_a_tree() {
     let mut moves = 0;
     for (n, seed) in [(2, 0), (3, 1), (4, 2), (5, 3), (13, 4), (20, 5)] {
-        let topology = Topology::new(poor_tree(n, seed).nodes());
+        let topology = topology(poor_tree(n, seed).nodes());
         let before = interior_area(&topology);
         for from in slots(&topology) {
             for to in slots(&topology) {
@@ -107,7 +115,7 @@ fn every_move_gains_what_it_says_and_leaves_a_tree() {
 fn the_search_finds_the_best_of_all_places() {
     let mut found = 0;
     for (n, seed) in [(2, 0), (3, 1), (5, 2), (20, 3), (60, 4)] {
-        let topology = Topology::new(poor_tree(n, seed).nodes());
+        let topology = topology(poor_tree(n, seed).nodes());
         for from in slots(&topology).into_iter().filter(|&i| i != ROOT) {
             let places = slots(&topology).into_iter().filter_map(|to| moves::gain(&topology, from, to));
             let best = places.fold(0.0, f64::max);
@@ -130,28 +138,28 @@ fn the_search_finds_the_best_of_all_places() {
 
 #[test]
 fn candidates_are_those_with_most_to_gain() {
-    let topology = Topology::new(poor_tree(200, 1).nodes());
+    let topology = topology(poor_tree(200, 1).nodes());
     let mut rated: Vec<(f64, u32)> =
         slots(&topology)[1..].iter().map(|&i| (candidates::most_gain(&topology, i), i)).collect();
     rated.retain(|&(gain, _)| gain > 0.0);
     rated.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let all = candidates::choose(&topology, 1.0);
+    let all = choose(&topology, 1.0);
     assert_eq!(all.len(), rated.len());
     assert_eq!(all, rated.iter().map(|&(_, i)| i).collect::<Vec<_>>());
     assert!(all.len() > 200);
-    assert_eq!(candidates::choose(&topology, 0.5), all[..200]);
-    assert_eq!(candidates::choose(&topology, f32::MIN_POSITIVE), all[..candidates::LEAST]);
+    assert_eq!(choose(&topology, 0.5), all[..200]);
+    assert_eq!(choose(&topology, f32::MIN_POSITIVE), all[..candidates::LEAST]);
 }
 
 /// Over and over, all candidates at once: their moves are in each other's way, and none may do harm.
 #[test]
 fn blocks_of_moves_leave_a_tree_that_costs_less() {
     for (n, seed) in [(3, 1), (50, 2), (2000, 3)] {
-        let mut mover = Mover::new(Topology::new(poor_tree(n, seed).nodes()));
+        let mut mover = Mover::new(topology(poor_tree(n, seed).nodes()));
         let before = interior_area(mover.topology());
         for _ in 0..4 {
-            let candidates = candidates::choose(mover.topology(), 1.0);
-            mover.improve(&candidates);
+            let candidates = choose(mover.topology(), 1.0);
+            mover.improve(&candidates, &ProgressReporter::unobserved()).expect("nobody cancels");
             let mut leaves = check(mover.topology(), ROOT);
             leaves.sort_unstable();
             assert!(leaves.into_iter().eq(0..n));
@@ -176,7 +184,7 @@ fn no_move_makes_a_tree_too_deep() {
         }
         nodes.push(Node { bounds: at(i), kind: NodeKind::Leaf { first: i, count: 1 } });
     }
-    let topology = Topology::new(&nodes);
+    let topology = topology(&nodes);
     assert_eq!(topology.height(ROOT), MAX_DEPTH);
     let mut refused = 0;
     for from in slots(&topology) {
@@ -199,7 +207,7 @@ fn bounds_that_shrink_are_seen() {
     // Without its one far leaf every node above it shrinks to a point.
     let bounds = [0.0, 0.0, 0.0, 1.0].map(|x| Bounds3::from_points([Vec3::splat(x)]));
     let config = BuildConfig::new(SplitMethod::Middle).with_max_primitives_in_leaf(1);
-    let topology = Topology::new(build(&bounds, &config).expect("valid").nodes());
+    let topology = topology(build(&bounds, &config).expect("valid").nodes());
     let far = slots(&topology)
         .into_iter()
         .find(|&i| topology.bounds(i) == Bounds3A { min: Vec3::ONE.into(), max: Vec3::ONE.into() });

@@ -4,7 +4,7 @@ use geometry::Bounds3;
 use geometry::glam::{Vec3, Vec3A};
 
 use crate::prim_info::Bounds3A;
-use crate::{Node, NodeKind};
+use crate::{Cancelled, Node, NodeKind, ProgressReporter};
 
 /// Nodes are in slots, and siblings in a pair of slots that fills a cache line: slot i is half i mod 2 of pair ⌊i/2⌋, and
 /// its sibling is slot i XOR 1. The root is in slot 0, beside which there is nothing.
@@ -69,12 +69,13 @@ impl Slot {
 
 impl Topology {
     /// The tree of `nodes`, of which there is one at least; leaves are numbered in their order.
-    pub(super) fn new(nodes: &[Node]) -> Self {
-        let pair_count = nodes.len() / 2 + 1;
+    pub(super) fn new(nodes: &[Node], progress: &ProgressReporter) -> Result<Self, Cancelled> {
+        let pair_count = Self::slots_of(nodes.len()) / 2;
         let mut topology = Self { pairs: vec![Pair([Slot::NOTHING; 2]); pair_count], heights: vec![1; 2 * pair_count] };
         let mut slots = vec![ROOT; nodes.len()];
         let (mut leaf_count, mut pair) = (0, 0);
         for (i, node) in nodes.iter().enumerate() {
+            progress.check_step(i)?;
             let below = match node.kind {
                 NodeKind::Leaf { .. } => {
                     leaf_count += 1;
@@ -95,10 +96,16 @@ impl Topology {
         }
         // Children have larger pairs than their parents, so from the back every child is ready before its parent.
         for pair in (1..pair_count as u32).rev() {
+            progress.check_step(pair as usize)?;
             let parent = topology.parent(2 * pair);
             topology.heights[parent as usize] = topology.height_over(2 * pair);
         }
-        topology
+        Ok(topology)
+    }
+
+    /// How many slots there are for so many nodes.
+    pub(super) fn slots_of(node_count: usize) -> usize {
+        2 * (node_count / 2 + 1)
     }
 
     pub(super) fn slot_count(&self) -> usize {

@@ -3,8 +3,9 @@
 use geometry::{Axis, Bounds3};
 
 use super::ClippedBounds;
-use crate::parallel::join;
+use crate::parallel::{SEQUENTIAL, try_join};
 use crate::prim_info::{Bounds3A, PrimInfo};
+use crate::{Cancelled, ProgressReporter};
 
 /// Into how many slices of equal thickness a node is cut on each axis.
 const SLICES: usize = 16;
@@ -23,14 +24,19 @@ pub(super) struct Plane {
 /// The plane of least weight between two slices on any axis, of equals the first along the first axis; `None` where no plane
 /// has something on both sides.
 #[inline(never)] // Its arrays are large, and must not lie on the stack once for every level.
-pub(super) fn cheapest_plane(prims: &[PrimInfo], bounds: &Bounds3, clipped: &ClippedBounds) -> Option<Plane> {
+pub(super) fn cheapest_plane(
+    prims: &[PrimInfo],
+    bounds: &Bounds3,
+    clipped: &ClippedBounds,
+    progress: &ProgressReporter,
+) -> Result<Option<Plane>, Cancelled> {
     let mut best: Option<Plane> = None;
     for axis in Axis::ALL {
         let (low, high) = (bounds.min[axis.index()], bounds.max[axis.index()]);
         let slicing = Slicing::new(axis, low, high);
         // Else the node is so thin that f32 has too few numbers for so many planes.
         if slicing.planes.is_sorted_by(|a, b| a < b) {
-            let slices = Slices::of(prims, &slicing, clipped);
+            let slices = Slices::of(prims, &slicing, clipped, progress)?;
             let plane = slices.cheapest_plane(&slicing);
             best = match (best, plane) {
                 (Some(best), Some(plane)) if best.weight <= plane.weight => Some(best),
@@ -38,7 +44,7 @@ pub(super) fn cheapest_plane(prims: &[PrimInfo], bounds: &Bounds3, clipped: &Cli
             };
         }
     }
-    best
+    Ok(best)
 }
 
 /// Slices along an axis: the i-th one is from plane i to plane i + 1.
@@ -86,18 +92,23 @@ struct Slices {
 }
 
 impl Slices {
-    fn of(prims: &[PrimInfo], slicing: &Slicing, clipped: &ClippedBounds) -> Self {
-        /// Above this, a second thread is worth waking.
-        const SEQUENTIAL: usize = 1 << 13;
+    fn of(
+        prims: &[PrimInfo],
+        slicing: &Slicing,
+        clipped: &ClippedBounds,
+        progress: &ProgressReporter,
+    ) -> Result<Self, Cancelled> {
         if prims.len() > SEQUENTIAL {
+            progress.check()?;
             let (a, b) = prims.split_at(prims.len() / 2);
-            let (mut a, b) = join(|| Self::of(a, slicing, clipped), || Self::of(b, slicing, clipped));
+            let (mut a, b) =
+                try_join(|| Self::of(a, slicing, clipped, progress), || Self::of(b, slicing, clipped, progress))?;
             for i in 0..SLICES {
                 a.bounds[i] = a.bounds[i].union(&b.bounds[i]);
                 a.begin[i] += b.begin[i];
                 a.end[i] += b.end[i];
             }
-            return a;
+            return Ok(a);
         }
         let mut slices = Self { bounds: [Bounds3A::EMPTY; SLICES], begin: [0; SLICES], end: [0; SLICES] };
         let axis = slicing.axis.index();
@@ -118,7 +129,7 @@ impl Slices {
                 slices.bounds[i] = slices.bounds[i].union(&clipped(p.index(), &part).into());
             }
         }
-        slices
+        Ok(slices)
     }
 
     fn cheapest_plane(&self, slicing: &Slicing) -> Option<Plane> {

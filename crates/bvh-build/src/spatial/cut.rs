@@ -6,6 +6,7 @@ use super::ClippedBounds;
 use super::bins::Plane;
 use crate::prim_info::PrimInfo;
 use crate::split::partition;
+use crate::{Cancelled, ProgressReporter};
 
 /// What becomes of a node's references.
 pub(super) struct Cut {
@@ -22,10 +23,16 @@ impl Cut {
     ///
     /// A reference that lies on both sides is nevertheless kept whole where it costs less to enlarge one side by it than to
     /// count it on both: Stich's reference unsplitting, section 4.4.
-    pub(super) fn new(prims: &[PrimInfo], plane: &Plane, clipped: &ClippedBounds) -> Self {
+    pub(super) fn new(
+        prims: &[PrimInfo],
+        plane: &Plane,
+        clipped: &ClippedBounds,
+        progress: &ProgressReporter,
+    ) -> Result<Self, Cancelled> {
         let (axis, at) = (plane.axis, plane.at);
         let mut cut = Self { axis, at, whole: [0, 0], parts: [Vec::new(), Vec::new()] };
-        for p in prims {
+        for (i, p) in prims.iter().enumerate() {
+            progress.check_step(i)?;
             if cut.is_before(p) {
                 cut.whole[0] += 1;
             } else if !cut.is_through(p) {
@@ -47,7 +54,7 @@ impl Cut {
                 }
             }
         }
-        cut
+        Ok(cut)
     }
 
     fn is_before(&self, p: &PrimInfo) -> bool {
@@ -70,13 +77,20 @@ impl Cut {
 
     /// Puts the references of the sides into `room`, whose first `count` are those that are cut: the first side at its
     /// beginning, the second one at `second`.
-    pub(super) fn place(&self, room: &mut [PrimInfo], count: usize, second: usize) {
-        let before = partition(&mut room[..count], |p| self.is_before(p));
-        let through = partition(&mut room[before..count], |p| self.is_through(p));
+    pub(super) fn place(
+        &self,
+        room: &mut [PrimInfo],
+        count: usize,
+        second: usize,
+        progress: &ProgressReporter,
+    ) -> Result<(), Cancelled> {
+        let before = partition(&mut room[..count], |p| self.is_before(p), progress)?;
+        let through = partition(&mut room[before..count], |p| self.is_through(p), progress)?;
         let [a, b] = &self.parts;
         room.copy_within(before + through..count, second + b.len());
         room[second..second + b.len()].copy_from_slice(b);
         room[before..before + a.len()].copy_from_slice(a);
+        Ok(())
     }
 }
 

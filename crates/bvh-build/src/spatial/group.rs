@@ -7,11 +7,11 @@ use crate::prim_info::{Extent, PrimInfo};
 use crate::recursive::{Rules, finish};
 use crate::split::{Split, split};
 use crate::subtree::{Part, Step};
-use crate::{BuildConfig, Node};
+use crate::{Cancelled, Node};
 
 /// What holds for a whole recursion.
 pub(crate) struct Setting<'a> {
-    rules: Rules,
+    rules: Rules<'a>,
     clipped: &'a ClippedBounds<'a>,
     /// The surface area of the children's overlap from which on space is split.
     least_overlap: f64,
@@ -19,17 +19,16 @@ pub(crate) struct Setting<'a> {
 }
 
 impl<'a> Setting<'a> {
-    /// For a tree that takes up `extent`, with no node deeper than `limit`.
+    /// For a tree that takes up `extent`.
     pub(crate) fn new(
-        config: &BuildConfig,
-        limit: u32,
+        rules: Rules<'a>,
         splits: &SpatialSplits,
         clipped: &'a ClippedBounds<'a>,
         extent: &Extent,
     ) -> Self {
         let least_overlap = f64::from(splits.overlap_threshold) * extent.bounds.surface_area();
         let least_references = splits.least_references as usize;
-        Self { rules: Rules::new(config, limit), clipped, least_overlap, least_references }
+        Self { rules, clipped, least_overlap, least_references }
     }
 }
 
@@ -55,23 +54,23 @@ impl<'a> Group<'a> {
     }
 
     /// The best cut by a plane, if it is better than `object`, and there is room for it.
-    fn cheaper_cut(&self, object: &Split) -> Option<Cut> {
+    fn cheaper_cut(&self, object: &Split) -> Result<Option<Cut>, Cancelled> {
         if !self.may_be_cut() {
-            return None;
+            return Ok(None);
         }
         let [a, b] = object.extents.map(|extent| extent.bounds);
         if a.intersection(&b).area_or_zero() <= self.setting.least_overlap {
-            return None;
+            return Ok(None);
         }
         let prims = &self.room[..self.count];
         let [a_count, b_count] = [object.middle, self.count - object.middle].map(|count| count as f64);
-        let plane = cheapest_plane(prims, &self.extent.bounds.to_bounds(), self.setting.clipped)?;
-        if plane.weight >= a_count * a.surface_area() + b_count * b.surface_area() {
-            return None;
-        }
-        let cut = Cut::new(prims, &plane, self.setting.clipped);
+        let Setting { rules: Rules { progress, .. }, clipped, .. } = self.setting;
+        let plane = cheapest_plane(prims, &self.extent.bounds.to_bounds(), clipped, progress)?;
+        let weight = a_count * a.surface_area() + b_count * b.surface_area();
+        let Some(plane) = plane.filter(|plane| plane.weight < weight) else { return Ok(None) };
+        let cut = Cut::new(prims, &plane, clipped, progress)?;
         let counts = cut.counts();
-        (!counts.contains(&0) && counts[0] + counts[1] <= self.room.len()).then_some(cut)
+        Ok((!counts.contains(&0) && counts[0] + counts[1] <= self.room.len()).then_some(cut))
     }
 }
 
@@ -86,32 +85,32 @@ impl Part for Group<'_> {
 
     /// The depth is limited as for sets of primitives, with the room as the size of a part: a split divides the room too,
     /// and where a node must be halved, the room that is left over is given up.
-    fn split(self, depth: u32) -> Step<Self> {
-        let Rules { config, limit } = &self.setting.rules;
+    fn split(self, depth: u32) -> Result<Step<Self>, Cancelled> {
+        let rules @ Rules { limit, progress, .. } = &self.setting.rules;
         let is_free = limit.allows_any_split(depth, self.room.len());
-        let Some(object) = split(&mut self.room[..self.count], &self.extent, config, is_free) else {
-            return Step::Leaf(self.extent.bounds.to_bounds());
+        let Some(object) = split(&mut self.room[..self.count], &self.extent, rules, is_free)? else {
+            return Ok(Step::Leaf(self.extent.bounds.to_bounds()));
         };
-        let cut = if is_free { self.cheaper_cut(&object) } else { None };
+        let cut = if is_free { self.cheaper_cut(&object)? } else { None };
         let Self { room, count, first, setting, .. } = self;
         let room = if is_free { room } else { &mut room[..count] };
         let counts = cut.as_ref().map_or([object.middle, count - object.middle], Cut::counts);
         let spare = room.len() - counts[0] - counts[1];
         let second = counts[0] + (spare as u128 * counts[0] as u128 / (counts[0] + counts[1]) as u128) as usize;
         match &cut {
-            Some(cut) => cut.place(room, count, second),
+            Some(cut) => cut.place(room, count, second, progress)?,
             None => room.copy_within(object.middle..count, second),
         }
         let (a, b) = room.split_at_mut(second);
         let [a_extent, b_extent] = match &cut {
-            Some(_) => [Extent::of(&a[..counts[0]]), Extent::of(&b[..counts[1]])],
+            Some(_) => [Extent::of_many(&a[..counts[0]], progress)?, Extent::of_many(&b[..counts[1]], progress)?],
             None => object.extents,
         };
-        Step::Interior(
+        Ok(Step::Interior(
             cut.map_or(object.axis, |cut| cut.axis()),
             Self { room: a, count: counts[0], first, extent: a_extent, setting },
             Self { room: b, count: counts[1], first: first + second, extent: b_extent, setting },
-        )
+        ))
     }
 
     fn finish(&mut self, depth: u32, nodes: &mut Vec<Node>) -> Option<u32> {

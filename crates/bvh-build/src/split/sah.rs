@@ -10,7 +10,7 @@ use geometry::Axis;
 use super::{Split, partition};
 use crate::config::MAX_BUCKETS;
 use crate::prim_info::{Extent, PrimInfo};
-use crate::{BuildConfig, SplitAxes};
+use crate::{BuildConfig, Cancelled, ProgressReporter, SplitAxes};
 pub(crate) use all_axes::{Plane, cheapest_plane};
 use buckets::Buckets;
 pub(crate) use sweep::{MAX_SWEPT, Sorted};
@@ -21,17 +21,23 @@ pub(crate) use sweep::{MAX_SWEPT, Sorted};
 /// The cost is t_trav + p_A n_A t_isect + p_B n_B t_isect. A random ray that meets the node's bounds C meets bounds A
 /// inside of them with the probability p_A = s_A / s_C, s being the surface area (pbrt, chapter 4). Requires that the
 /// centroids are not all one point, and s_C > 0.
-pub(crate) fn split(prims: &mut [PrimInfo], extent: &Extent, config: &BuildConfig, leaf_cost: f64) -> Option<Split> {
+pub(crate) fn split(
+    prims: &mut [PrimInfo],
+    extent: &Extent,
+    config: &BuildConfig,
+    leaf_cost: f64,
+    progress: &ProgressReporter,
+) -> Result<Option<Split>, Cancelled> {
     let limit = Limit::new(extent, config, leaf_cost);
     if !limit.is_any() {
-        return None;
+        return Ok(None);
     }
     match (config.axes, config.buckets) {
-        (SplitAxes::Dominant, ..=12) => one_axis::<12>(prims, extent, config, limit),
-        (SplitAxes::Dominant, ..=32) => one_axis::<32>(prims, extent, config, limit),
-        (SplitAxes::Dominant, _) => one_axis::<MAX_BUCKETS>(prims, extent, config, limit),
-        (SplitAxes::All, _) if prims.len() <= config.full_sweep as usize => sweep::split(prims, limit),
-        (SplitAxes::All, _) => all_axes::split(prims, extent, config, limit),
+        (SplitAxes::Dominant, ..=12) => one_axis::<12>(prims, extent, config, limit, progress),
+        (SplitAxes::Dominant, ..=32) => one_axis::<32>(prims, extent, config, limit, progress),
+        (SplitAxes::Dominant, _) => one_axis::<MAX_BUCKETS>(prims, extent, config, limit, progress),
+        (SplitAxes::All, _) if prims.len() <= config.full_sweep as usize => sweep::split(prims, limit, progress),
+        (SplitAxes::All, _) => all_axes::split(prims, extent, config, limit, progress),
     }
 }
 
@@ -43,21 +49,24 @@ fn one_axis<const CAPACITY: usize>(
     extent: &Extent,
     config: &BuildConfig,
     limit: Limit,
-) -> Option<Split> {
-    let (axis, low, high) = extent.centroid_interval()?;
+    progress: &ProgressReporter,
+) -> Result<Option<Split>, Cancelled> {
+    let Some((axis, low, high)) = extent.centroid_interval() else { return Ok(None) };
     let projection = Projection::new(axis, low, high, config.buckets);
     // With no more primitives than buckets, most buckets would be empty. With them for all nodes, a build of a million
     // boxes took 455 ms instead of 345 (one thread, CPU time).
     if prims.len() <= config.buckets as usize {
         let best = few::cheapest_boundary::<CAPACITY>(prims, projection);
-        return limit.is_above(best.weight).then(|| Split::at(best.place, axis, prims));
+        return limit.is_above(best.weight).then(|| Split::at(best.place, axis, prims, progress)).transpose();
     }
-    let buckets = Buckets::<CAPACITY>::of(prims, projection);
+    let mut buckets = Buckets::<CAPACITY>::EMPTY;
+    buckets.add(prims, projection, progress)?;
     let best = buckets.cheapest_boundary();
-    limit.is_above(best.weight).then(|| {
-        let middle = partition(prims, |p| projection.bucket(p) < best.place as i32);
-        Split { axis, middle, extents: buckets.extents(best.place) }
-    })
+    if !limit.is_above(best.weight) {
+        return Ok(None);
+    }
+    let middle = partition(prims, |p| projection.bucket(p) < best.place as i32, progress)?;
+    Ok(Some(Split { axis, middle, extents: buckets.extents(best.place) }))
 }
 
 /// What a split must cost less than, to be made.
@@ -233,8 +242,12 @@ mod tests {
                     let (expected, cost) = cheapest(&prims, &config);
                     let what = format!("{n} {seed} {config:?}");
 
-                    assert!(split(&mut prims, &extent, &config, cost).is_none(), "a leaf is as cheap: {what}");
-                    let found = split(&mut prims, &extent, &config, cost.next_up()).expect("a split is cheaper");
+                    let mut split = |leaf_cost| {
+                        let progress = ProgressReporter::unobserved();
+                        split(&mut prims, &extent, &config, leaf_cost, &progress).expect("nobody cancels")
+                    };
+                    assert!(split(cost).is_none(), "a leaf is as cheap: {what}");
+                    let found = split(cost.next_up()).expect("a split is cheaper");
                     assert_eq!(indices(prims[..found.middle].iter()), expected, "{what}");
                     let (a, b) = prims.split_at(found.middle);
                     let on_axis = |p: &PrimInfo| p.centroid2_on(found.axis);

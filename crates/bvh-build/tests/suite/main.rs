@@ -1,5 +1,6 @@
 //! Trees over hard cases: the table of degenerate scenes against every method and leaf size.
 
+mod cancel;
 mod check;
 mod invariance;
 mod matrix;

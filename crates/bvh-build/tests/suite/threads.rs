@@ -66,7 +66,7 @@ fn the_bytes_of_a_tree_are_known() {
         0xac87_d6b8_66e4_b6c3,
         0x2f7d_fbfd_586d_d2af,
         0x4a30_2862_0cd3_5758,
-        0xca1f_a583_608e_3918,
+        0x832a_e8eb_2e02_a979,
         0xe15d_92ea_8abb_d04d,
     ];
     assert_eq!(digests, known, "{digests:#018x?}");

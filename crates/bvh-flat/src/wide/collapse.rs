@@ -10,6 +10,7 @@ use geometry::Bounds3;
 
 use super::arena::{Arena, Child, LEAF_LINES, Line, MAX_LINES};
 use super::node::WideNode;
+use super::progress::{NoWideTree, Stage, Watch};
 use crate::simd::LANES;
 use crate::{FlatBvh, LinearBvhNode};
 use emit::Emitter;
@@ -102,7 +103,7 @@ impl BinaryTree for [bvh_build::Node] {
 
 /// Which binary nodes become wide nodes and leaves is decided by dynamic programming, after Ylitie, Karras and Laine 2017,
 /// *Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs*, section 4: the least sum of area times cost
-/// over all nodes and leaves. `None` where the result would not fit an [`Arena`].
+/// over all nodes and leaves.
 ///
 /// The plan says how many lines each subtree takes, so that all are written in parallel into memory of the right size.
 ///
@@ -111,20 +112,25 @@ pub(crate) fn collapse<N: WideNode>(
     tree: &(impl BinaryTree + ?Sized),
     is_split: bool,
     writer: &impl LeafWriter,
-) -> Option<WideTree> {
+    watch: &impl Watch,
+) -> Result<WideTree, NoWideTree> {
     let mut plans = vec![Plan::default(); tree.len()];
-    let cost = plan::<N>(tree, &mut plans, writer);
+    let cost = watch.observe(Stage::Plan, tree.len(), |update| plan::<N>(tree, &mut plans, writer, update));
+    let cost = cost.ok_or(NoWideTree::Cancelled)?;
     let count = plans.first().map_or(0, Plan::line_count);
     if count > MAX_LINES {
-        return None;
+        return Err(NoWideTree::TooLarge);
     }
-    let emitter = Emitter::<N, _, _>::new(tree, &plans, writer);
-    let (arena, root) =
-        Arena::written(count + LEAF_LINES, |lines| (tree.len() > 0).then(|| emitter.root(&mut lines[..count])));
+    let written = watch.observe(Stage::Emission, count, |update| {
+        let emitter = Emitter::<N, _, _>::new(tree, &plans, writer, update);
+        let (arena, root) = Arena::written(count + LEAF_LINES, |lines| emitter.root(&mut lines[..count]));
+        Some((arena, root?))
+    });
+    let (arena, root) = written.ok_or(NoWideTree::Cancelled)?;
     let bounds = root.map_or(Bounds3::EMPTY, |_| tree.bounds(0));
     let area = bounds.surface_area();
     let expected_steps = if area > 0.0 { cost / area } else { 0.0 };
-    Some(WideTree { arena, root, bounds, is_split, expected_steps })
+    Ok(WideTree { arena, root, bounds, is_split, expected_steps })
 }
 
 /// The same tree with leaves of at most eight primitives.

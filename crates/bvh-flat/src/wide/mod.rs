@@ -7,6 +7,7 @@ mod boxes;
 mod collapse;
 mod node;
 mod packet;
+mod progress;
 mod queries;
 mod refit;
 mod traverse;
@@ -21,9 +22,8 @@ pub(crate) use arena::{Child, Line, MAX_LINES};
 pub(crate) use batch::{LARGE, answer_many};
 pub(crate) use boxes::boxes;
 pub(crate) use collapse::{BinaryTree, LeafWriter, WideTree, collapse, with_small_leaves};
-#[cfg(feature = "build")]
-pub(crate) use node::WideNode;
 pub(crate) use node::{CompactNode, FullNode};
+pub(crate) use progress::{NoWideTree, Watch};
 pub(crate) use queries::{All, Answered, AnyQuery, ClosestQuery, answer};
 pub(crate) use refit::refit;
 pub(crate) use traverse::{Query, traverse};

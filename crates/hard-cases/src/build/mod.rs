@@ -1,5 +1,6 @@
 //! **B**: input on which builders hang, overflow, or lose primitives.
 
+mod adversarial;
 mod cascades;
 mod coincident;
 mod few;
@@ -11,6 +12,7 @@ mod scales;
 pub(crate) mod sweep;
 mod threads;
 
+pub use adversarial::adversarial_meshes;
 pub(crate) use cascades::cascades;
 
 use geometry::TriangleMesh;

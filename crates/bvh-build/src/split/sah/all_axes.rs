@@ -4,18 +4,33 @@ use geometry::Axis;
 use geometry::glam::Vec3A;
 
 use super::{Boundary, Limit};
-use crate::BuildConfig;
 use crate::parallel;
 use crate::prim_info::{Bounds3A, Extent, PrimInfo};
 use crate::split::{Split, partition};
+use crate::{BuildConfig, Cancelled, ProgressReporter};
 
 /// Splits `prims` between two of the equal buckets over the interval of their centroids on one of the three axes: at
 /// that of all boundaries where the cost is least, of equals at the first along the first axis. `None` where that is
 /// not below `limit`.
-pub(super) fn split(prims: &mut [PrimInfo], extent: &Extent, config: &BuildConfig, limit: Limit) -> Option<Split> {
-    let plane = cheapest_plane(prims, extent, config, limit)?;
-    let middle = partition(prims, |p| !plane.is_behind(p.centroid2()));
-    Some(Split::at(middle, plane.axis, prims))
+pub(super) fn split(
+    prims: &mut [PrimInfo],
+    extent: &Extent,
+    config: &BuildConfig,
+    limit: Limit,
+    progress: &ProgressReporter,
+) -> Result<Option<Split>, Cancelled> {
+    let Some(plane) = cheapest_plane(prims, extent, config, limit, progress)? else { return Ok(None) };
+    let mut centroids2 = [Bounds3A::EMPTY; 2];
+    let is_first = |p: &PrimInfo| {
+        let centroid2 = p.centroid2();
+        let is_behind = plane.is_behind(centroid2);
+        let side = &mut centroids2[usize::from(is_behind)];
+        *side = side.union_point(centroid2);
+        !is_behind
+    };
+    let middle = partition(prims, is_first, progress)?;
+    let extents = [0, 1].map(|side| Extent { bounds: plane.bounds[side], centroids2: centroids2[side] });
+    Ok(Some(Split { axis: plane.axis, middle, extents }))
 }
 
 /// Where primitives are divided.
@@ -40,24 +55,36 @@ impl Plane {
 }
 
 /// As [`split`], without moving anything.
-pub(crate) fn cheapest_plane(prims: &[PrimInfo], extent: &Extent, config: &BuildConfig, limit: Limit) -> Option<Plane> {
+pub(crate) fn cheapest_plane(
+    prims: &[PrimInfo],
+    extent: &Extent,
+    config: &BuildConfig,
+    limit: Limit,
+    progress: &ProgressReporter,
+) -> Result<Option<Plane>, Cancelled> {
     let count = config.buckets_of(prims.len());
     match count {
-        ..=8 => cheapest_of::<8>(prims, extent, count, limit),
-        9..=16 => cheapest_of::<16>(prims, extent, count, limit),
-        17..=32 => cheapest_of::<32>(prims, extent, count, limit),
-        _ => cheapest_of::<64>(prims, extent, count, limit),
+        ..=8 => cheapest_of::<8>(prims, extent, count, limit, progress),
+        9..=16 => cheapest_of::<16>(prims, extent, count, limit, progress),
+        17..=32 => cheapest_of::<32>(prims, extent, count, limit, progress),
+        _ => cheapest_of::<64>(prims, extent, count, limit, progress),
     }
 }
 
 /// The same of `count` buckets, at most `CAPACITY`, which is a power of two.
 #[inline(never)] // Its arrays are large, and must not lie on the stack once for every level.
-fn cheapest_of<const CAPACITY: usize>(prims: &[PrimInfo], extent: &Extent, count: u32, limit: Limit) -> Option<Plane> {
+fn cheapest_of<const CAPACITY: usize>(
+    prims: &[PrimInfo],
+    extent: &Extent,
+    count: u32,
+    limit: Limit,
+    progress: &ProgressReporter,
+) -> Result<Option<Plane>, Cancelled> {
     let grid = Grid::new(extent, count);
     let mut buckets = Buckets::<CAPACITY>::EMPTY;
-    buckets.add(prims, grid);
+    buckets.add(prims, grid, progress)?;
     let (axis, boundary) = buckets.cheapest_boundary(count as usize);
-    limit.is_above(boundary.weight).then(|| {
+    Ok(limit.is_above(boundary.weight).then(|| {
         let (counts, bounds) = (&buckets.counts[axis.index()], &buckets.bounds[axis.index()]);
         let (a, b) = bounds.split_at(boundary.place);
         let mut first_behind = Vec3A::INFINITY;
@@ -69,7 +96,7 @@ fn cheapest_of<const CAPACITY: usize>(prims: &[PrimInfo], extent: &Extent, count
             grid,
             first_behind,
         }
-    })
+    }))
 }
 
 /// Adding 2²³ rounds to the nearest whole number and leaves it in the lowest bits: conversion with all its cases is slow.
@@ -115,18 +142,14 @@ struct Buckets<const CAPACITY: usize> {
 impl<const CAPACITY: usize> Buckets<CAPACITY> {
     const EMPTY: Self = Self { counts: [[0; CAPACITY]; 3], bounds: [[Bounds3A::EMPTY; CAPACITY]; 3] };
 
-    fn add(&mut self, prims: &[PrimInfo], grid: Grid) {
+    fn add(&mut self, prims: &[PrimInfo], grid: Grid, progress: &ProgressReporter) -> Result<(), Cancelled> {
         if prims.len() > parallel::SEQUENTIAL {
             let (a, b) = prims.split_at(prims.len() / 2);
-            let ((), b) = parallel::join(
-                || self.add(a, grid),
-                || {
-                    let mut buckets = Self::EMPTY;
-                    buckets.add(b, grid);
-                    buckets
-                },
-            );
-            return self.unite(&b);
+            progress.check()?;
+            let mut other = Self::EMPTY;
+            parallel::try_join(|| self.add(a, grid, progress), || other.add(b, grid, progress))?;
+            self.unite(&other);
+            return Ok(());
         }
         for p in prims {
             let bounds = p.bounds();
@@ -139,6 +162,7 @@ impl<const CAPACITY: usize> Buckets<CAPACITY> {
             self.counts[1][y] += 1;
             self.counts[2][z] += 1;
         }
+        Ok(())
     }
 
     fn unite(&mut self, other: &Self) {

@@ -1,8 +1,9 @@
 //! Buckets: primitives in a few heaps along one axis.
 
 use super::{Boundary, Projection};
-use crate::parallel::join;
+use crate::parallel::{SEQUENTIAL, try_join};
 use crate::prim_info::{Extent, PrimInfo};
+use crate::{Cancelled, ProgressReporter};
 
 /// The primitives with their centroids in one bucket.
 #[derive(Clone, Copy)]
@@ -28,28 +29,31 @@ impl Bucket {
 pub(super) struct Buckets<const CAPACITY: usize>([Bucket; CAPACITY]);
 
 impl<const CAPACITY: usize> Buckets<CAPACITY> {
-    pub(super) fn of(prims: &[PrimInfo], projection: Projection) -> Self {
-        let mut buckets = Self([Bucket::EMPTY; CAPACITY]);
-        buckets.add(prims, projection);
-        buckets
-    }
+    pub(super) const EMPTY: Self = Self([Bucket::EMPTY; CAPACITY]);
 
-    fn add(&mut self, prims: &[PrimInfo], projection: Projection) {
-        /// Above this, a second thread is worth waking.
-        const SEQUENTIAL: usize = 1 << 16;
+    /// Adds `prims` to them.
+    pub(super) fn add(
+        &mut self,
+        prims: &[PrimInfo],
+        projection: Projection,
+        progress: &ProgressReporter,
+    ) -> Result<(), Cancelled> {
         if prims.len() > SEQUENTIAL {
+            progress.check()?;
             let (a, b) = prims.split_at(prims.len() / 2);
-            let ((), b) = join(|| self.add(a, projection), || Self::of(b, projection));
-            for (bucket, other) in self.0.iter_mut().zip(&b.0) {
+            let mut other = Self::EMPTY;
+            try_join(|| self.add(a, projection, progress), || other.add(b, projection, progress))?;
+            for (bucket, other) in self.0.iter_mut().zip(&other.0) {
                 *bucket = bucket.union(other);
             }
-            return;
+            return Ok(());
         }
         for p in prims {
             let bucket = &mut self.0[projection.bucket(p) as usize];
             bucket.count += 1;
             bucket.extent = bucket.extent.with(p);
         }
+        Ok(())
     }
 
     /// The boundary of least weight, of equals the first; [`Boundary::place`] counts buckets.

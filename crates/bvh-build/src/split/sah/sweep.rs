@@ -6,17 +6,22 @@ use super::{Boundary, Limit};
 use crate::config::MAX_BUCKETS;
 use crate::prim_info::{Bounds3A, Extent, PrimInfo};
 use crate::split::Split;
+use crate::{Cancelled, ProgressReporter};
 
 /// The most primitives that are swept.
 pub(crate) const MAX_SWEPT: usize = MAX_BUCKETS;
 
 /// Splits `prims`, at most [`MAX_SWEPT`], at the cheapest boundary between two centroids on any axis.
 #[inline(never)] // Its arrays are large, and must not lie on the stack once for every level.
-pub(super) fn split(prims: &mut [PrimInfo], limit: Limit) -> Option<Split> {
+pub(super) fn split(
+    prims: &mut [PrimInfo],
+    limit: Limit,
+    progress: &ProgressReporter,
+) -> Result<Option<Split>, Cancelled> {
     let sorted = Sorted::new(prims);
-    let (axis, middle) = sorted.cheapest_boundary(prims, 0, prims.len(), limit)?;
+    let Some((axis, middle)) = sorted.cheapest_boundary(prims, 0, prims.len(), limit) else { return Ok(None) };
     sorted.permute(axis, prims);
-    Some(Split::at(middle, axis, prims))
+    Split::at(middle, axis, prims, progress).map(Some)
 }
 
 /// A few primitives in the order of their centroids on each axis. Sorted once for a whole subtree: parts of it stay in

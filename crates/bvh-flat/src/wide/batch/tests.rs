@@ -32,10 +32,10 @@ impl Trees {
         let bounds: Vec<_> = (0..mesh.len()).map(|i| mesh.triangle_bounds(i)).collect();
         let bvh = FlatBvh::build(&bounds, &BuildConfig::default(), &()).expect("the default is valid");
         let (nodes, order) = (bvh.nodes(), bvh.order());
-        let blocks = collapse::<FullNode>(nodes, false, &TriangleWriter::<Blocks>::new(&mesh, order, false));
-        let compact = collapse::<CompactNode>(nodes, false, &TriangleWriter::<Compact>::new(&mesh, order, false));
+        let blocks = collapse::<FullNode>(nodes, false, &TriangleWriter::<Blocks>::new(&mesh, order, false), &());
+        let compact = collapse::<CompactNode>(nodes, false, &TriangleWriter::<Compact>::new(&mesh, order, false), &());
         let triangles = |tree: Option<_>| Triangles { mesh: Arc::clone(&mesh), tree: tree.expect("small") };
-        let (blocks, compact) = (triangles(blocks), triangles(compact));
+        let (blocks, compact) = (triangles(blocks.ok()), triangles(compact.ok()));
         let wide = WideMesh::build(mesh, &BuildConfig::default()).expect("the default is valid");
         Self { wide, blocks, compact }
     }

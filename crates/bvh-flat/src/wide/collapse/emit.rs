@@ -11,6 +11,7 @@ use crate::parallel::join;
 use crate::simd::LANES;
 use crate::wide::arena::Child;
 use crate::wide::node::WideNode;
+use crate::wide::progress::Update;
 
 /// Up to so many lines are written by one thread.
 const SEQUENTIAL: usize = 1 << 13;
@@ -20,6 +21,7 @@ pub(super) struct Emitter<'a, N, T: ?Sized, W> {
     tree: &'a T,
     plans: &'a [Plan],
     writer: &'a W,
+    update: &'a Update<'a>,
     node: PhantomData<fn() -> N>,
 }
 
@@ -32,6 +34,19 @@ struct Place {
     at: usize,
 }
 
+/// The wide nodes below another.
+#[derive(Default)]
+struct Below {
+    places: [Place; LANES],
+    count: usize,
+}
+
+impl Below {
+    fn places(&self) -> &[Place] {
+        &self.places[..self.count]
+    }
+}
+
 /// The binary nodes that a wide one has for children.
 #[derive(Default)]
 struct Children {
@@ -40,21 +55,62 @@ struct Children {
 }
 
 impl<'a, N: WideNode, T: BinaryTree + ?Sized, W: LeafWriter> Emitter<'a, N, T, W> {
-    pub(super) fn new(tree: &'a T, plans: &'a [Plan], writer: &'a W) -> Self {
-        Self { tree, plans, writer, node: PhantomData }
+    pub(super) fn new(tree: &'a T, plans: &'a [Plan], writer: &'a W, update: &'a Update) -> Self {
+        Self { tree, plans, writer, update, node: PhantomData }
     }
 
-    /// Writes the whole tree.
-    pub(super) fn root(&self, lines: &mut [Line]) -> Child {
-        if self.plans[0].is_leaf() {
-            return self.leaf(0, 0, lines);
+    /// Writes the whole tree, and says where its root is, if there is one. `None` where it is broken off.
+    pub(super) fn root(&self, lines: &mut [Line]) -> Option<Option<Child>> {
+        if self.plans.is_empty() {
+            return Some(None);
         }
-        self.subtree(Place::default(), lines);
-        Child::node(0)
+        if self.plans[0].is_leaf() {
+            (self.update)(lines.len())?;
+            return Some(Some(self.leaf(0, 0, lines)));
+        }
+        self.subtree(Place::default(), lines)?;
+        Some(Some(Child::node(0)))
     }
 
     /// Writes a wide node and everything below it.
-    fn subtree(&self, Place { node, at }: Place, lines: &mut [Line]) {
+    fn subtree(&self, place: Place, lines: &mut [Line]) -> Option<()> {
+        let count = lines.len();
+        if count <= SEQUENTIAL {
+            (self.update)(count)?;
+            self.block(place, lines);
+            return Some(());
+        }
+        let (below, rest) = self.node(place, lines);
+        (self.update)(count - rest.len())?;
+        self.subtrees(below.places(), rest)
+    }
+
+    /// Writes some subtrees, one behind the other.
+    fn subtrees(&self, places: &[Place], lines: &mut [Line]) -> Option<()> {
+        match places {
+            [] => Some(()),
+            [place] => self.subtree(*place, lines),
+            _ => {
+                let (first, second) = places.split_at(places.len() / 2);
+                let (a, b) = lines.split_at_mut(second[0].at - first[0].at);
+                let (a, b) = join(|| self.subtrees(first, a), || self.subtrees(second, b));
+                a.and(b)
+            }
+        }
+    }
+
+    /// As [`subtree`](Self::subtree), by one thread.
+    fn block(&self, place: Place, lines: &mut [Line]) {
+        let (below, mut rest) = self.node(place, lines);
+        for &place in below.places() {
+            let (lines, behind) = rest.split_at_mut(self.plans[place.node].line_count());
+            self.block(place, lines);
+            rest = behind;
+        }
+    }
+
+    /// Writes a wide node and its leaves: the wide nodes below it, and the lines for these.
+    fn node<'l>(&self, Place { node, at }: Place, lines: &'l mut [Line]) -> (Below, &'l mut [Line]) {
         let mut children = Children::default();
         self.gather(node, LANES, &mut children);
         let nodes = &children.nodes[..children.count];
@@ -70,37 +126,17 @@ impl<'a, N: WideNode, T: BinaryTree + ?Sized, W: LeafWriter> Emitter<'a, N, T, W
                 (next, rest) = (next + leaf.len(), behind);
             }
         }
-        let mut below = [Place::default(); LANES];
-        let mut count = 0;
-        let begin = next;
+        let mut below = Below::default();
         for (lane, &i) in nodes.iter().enumerate() {
             if !self.plans[i].is_leaf() {
                 references[lane] = Some(Child::node(next));
-                below[count] = Place { node: i, at: next };
-                (next, count) = (next + self.plans[i].line_count(), count + 1);
+                below.places[below.count] = Place { node: i, at: next };
+                below.count += 1;
+                next += self.plans[i].line_count();
             }
         }
         N::write(&bounds[..nodes.len()], &references[..nodes.len()], own);
-        self.subtrees(&below[..count], begin, rest);
-    }
-
-    /// Writes some subtrees, one behind the other from line `begin` on.
-    fn subtrees(&self, places: &[Place], begin: usize, lines: &mut [Line]) {
-        match places {
-            [] => {}
-            [place] => self.subtree(*place, lines),
-            _ => {
-                let (first, second) = places.split_at(places.len() / 2);
-                let middle = second[0].at;
-                let (a, b) = lines.split_at_mut(middle - begin);
-                if a.len() + b.len() <= SEQUENTIAL {
-                    self.subtrees(first, begin, a);
-                    self.subtrees(second, middle, b);
-                } else {
-                    join(|| self.subtrees(first, begin, a), || self.subtrees(second, middle, b));
-                }
-            }
-        }
+        (below, rest)
     }
 
     fn leaf(&self, node: usize, at: usize, lines: &mut [Line]) -> Child {

@@ -6,6 +6,7 @@ use super::{BinaryTree, LeafWriter};
 use crate::parallel::join;
 use crate::simd::LANES;
 use crate::wide::node::WideNode;
+use crate::wide::progress::Update;
 
 /// Up to so many nodes are planned by one thread.
 const SEQUENTIAL: usize = 1 << 13;
@@ -58,16 +59,17 @@ struct Ways {
     most: usize,
 }
 
-/// Fills `plans`, one for each node, with the cheapest; the cost of it all.
+/// Fills `plans`, one for each node, with the cheapest; the cost of it all. `None` where it is broken off.
 pub(super) fn plan<N: WideNode>(
     tree: &(impl BinaryTree + ?Sized),
     plans: &mut [Plan],
     writer: &impl LeafWriter,
-) -> f64 {
+    update: &Update,
+) -> Option<f64> {
     if plans.is_empty() {
-        return 0.0;
+        return Some(0.0);
     }
-    subtree::<N>(tree, 0..plans.len(), plans, writer).costs[0]
+    subtree::<N>(tree, 0..plans.len(), plans, writer, update).map(|ways| ways.costs[0])
 }
 
 /// The same for the subtree of some nodes.
@@ -76,20 +78,23 @@ fn subtree<N: WideNode>(
     nodes: Range<usize>,
     plans: &mut [Plan],
     writer: &impl LeafWriter,
-) -> Ways {
+    update: &Update,
+) -> Option<Ways> {
     let Some(second) = tree.second_child(nodes.start).filter(|_| nodes.len() > SEQUENTIAL) else {
-        return block::<N>(tree, nodes, plans, writer);
+        update(nodes.len())?;
+        return Some(block::<N>(tree, nodes, plans, writer));
     };
+    update(1)?;
     let first = nodes.start + 1;
     let (root, plans) = plans.split_at_mut(1);
     let (a_plans, b_plans) = plans.split_at_mut(second - first);
     let (a, b) = join(
-        || subtree::<N>(tree, first..second, a_plans, writer),
-        || subtree::<N>(tree, second..nodes.end, b_plans, writer),
+        || subtree::<N>(tree, first..second, a_plans, writer, update),
+        || subtree::<N>(tree, second..nodes.end, b_plans, writer, update),
     );
     let ways;
-    (ways, root[0]) = interior::<N>(tree.bounds(nodes.start).surface_area(), &a, &b, writer);
-    ways
+    (ways, root[0]) = interior::<N>(tree.bounds(nodes.start).surface_area(), &a?, &b?, writer);
+    Some(ways)
 }
 
 /// The same, from the back: children come before their parent, and the ways of the first child are on top of the stack.

@@ -1,5 +1,7 @@
 //! `xtask verify`: the catalogue of hard cases, and a scene beside the oracle.
 
+mod builds;
+
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
@@ -21,7 +23,7 @@ pub struct Arguments {
     /// A scene to compare with the oracle instead of running the catalogue
     #[arg(long_help = SCENE_HELP, value_parser = SceneSource::parse)]
     scene: Option<SceneSource>,
-    /// Run at the sizes of the study: hours, with a progress bar
+    /// Run at the sizes of the study: hours, with a progress bar; with cases B, time builds of hard input too
     #[arg(long)]
     full: bool,
     /// Run only the cases whose id begins with one of these: T, T01, S2
@@ -89,6 +91,9 @@ fn verify_catalogue(arguments: &Arguments) -> Result<()> {
         }
     }
     println!("{} of {} cases passed, seed {}", chosen.len() - failed.len(), chosen.len(), arguments.seed);
+    if arguments.full && chosen.iter().any(|case| case.id.starts_with('B')) {
+        builds::print(arguments.seed)?;
+    }
     ensure!(failed.is_empty(), "{} cases failed", failed.len());
     Ok(())
 }
