@@ -4,7 +4,9 @@
 //! [`results`] (a file each) → [`rows`] (what tables show) → [`tables`] for people, [`lines`] for programs, [`report`]
 //! for colleagues. `merge` begins at the results.
 
+mod command;
 mod configuration;
+mod effort;
 mod host;
 mod jobs;
 mod leak_maps;

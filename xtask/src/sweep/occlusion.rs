@@ -8,8 +8,8 @@ use hard_cases::Random;
 use rayon::prelude::*;
 use scene::{CameraView, CompiledScene};
 
+use super::effort::PictureSizes;
 use super::plan::hash_of;
-use super::settings::PictureSizes;
 use crate::input::{self, SEED};
 use crate::measure::timed_on_processor;
 use crate::shading::{cosine_direction, diagonal};

@@ -10,8 +10,9 @@ use scene::{Scene, SceneShape};
 use serde::{Deserialize, Serialize};
 
 use super::configuration::{Calls, KernelName, Layout, Traversal, TreeName, WidthName};
+use super::effort::PictureSizes;
 use super::host::Program;
-use super::settings::{PictureSizes, RaySetName, Settings, WidthChoice};
+use super::settings::{RaySetName, Settings, WidthChoice};
 use super::sweep_file::{Grid, Named};
 use crate::input::{SEED, SceneSource, SplitMethodName, usage_error};
 

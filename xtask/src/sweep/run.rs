@@ -9,11 +9,11 @@ use bvh_flat::BuildError;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::configuration::TreeName;
+use super::effort::Rounds;
 use super::host::{self, Host};
 use super::jobs::Worker;
 use super::plan::{Job, Plan};
 use super::results::{Folder, JobResult, Timings};
-use super::settings::Rounds;
 use super::subject::Trees;
 use super::workshop::Workshop;
 use crate::measure::{BuildClock, Stopwatch, timed};
