@@ -3,7 +3,7 @@
 use geometry::{Axis, Bounds3};
 
 use super::ClippedBounds;
-use crate::parallel::{SEQUENTIAL, try_join};
+use crate::parallel::{self, SEQUENTIAL, try_join};
 use crate::prim_info::{Bounds3A, PrimInfo};
 use crate::{Cancelled, ProgressReporter};
 
@@ -22,12 +22,14 @@ pub(super) struct Plane {
 }
 
 /// The plane of least weight between two slices on any axis, of equals the first along the first axis; `None` where no plane
-/// has something on both sides.
+/// has something on both sides, or no more than `most` references altogether. Where that is so on an axis, no part is asked
+/// for: of identical primitives, each in all slices, that took most of a build's time.
 #[inline(never)] // Its arrays are large, and must not lie on the stack once for every level.
 pub(super) fn cheapest_plane(
     prims: &[PrimInfo],
     bounds: &Bounds3,
     clipped: &ClippedBounds,
+    most: usize,
     progress: &ProgressReporter,
 ) -> Result<Option<Plane>, Cancelled> {
     let mut best: Option<Plane> = None;
@@ -35,9 +37,15 @@ pub(super) fn cheapest_plane(
         let (low, high) = (bounds.min[axis.index()], bounds.max[axis.index()]);
         let slicing = Slicing::new(axis, low, high);
         // Else the node is so thin that f32 has too few numbers for so many planes.
-        if slicing.planes.is_sorted_by(|a, b| a < b) {
-            let slices = Slices::of(prims, &slicing, clipped, progress)?;
-            let plane = slices.cheapest_plane(&slicing);
+        if !slicing.planes.is_sorted_by(|a, b| a < b) {
+            continue;
+        }
+        let count = |part: &[PrimInfo]| Counts::of(part, &slicing);
+        let sides = parallel::fold(prims, progress, &count, &Counts::plus)?.sides();
+        let fits = sides.map(|[a, b]| a > 0 && b > 0 && a as usize + b as usize <= most);
+        if fits.contains(&true) {
+            let parts = slices(prims, &slicing, clipped, progress)?;
+            let plane = cheapest_of(&parts, &sides, &fits, &slicing);
             best = match (best, plane) {
                 (Some(best), Some(plane)) if best.weight <= plane.weight => Some(best),
                 (best, plane) => plane.or(best),
@@ -63,6 +71,12 @@ impl Slicing {
         Self { axis, planes, scale: SLICES as f32 / (high - low) }
     }
 
+    /// The slices in which a primitive is.
+    fn range_of(&self, p: &PrimInfo) -> [usize; 2] {
+        let bounds = p.bounds();
+        self.range(bounds.min[self.axis.index()], bounds.max[self.axis.index()])
+    }
+
     /// The slices in which bounds from `min` to `max` are, more than in their faces.
     fn range(&self, min: f32, max: f32) -> [usize; 2] {
         // An estimate, which rounding may have put into a neighbour.
@@ -84,69 +98,97 @@ impl Slicing {
     }
 }
 
-/// What is in each slice: the bounds of the parts, and how many references begin and end there.
-struct Slices {
-    bounds: [Bounds3A; SLICES],
+/// How many references begin and end in each slice.
+struct Counts {
     begin: [u32; SLICES],
     end: [u32; SLICES],
 }
 
-impl Slices {
-    fn of(
-        prims: &[PrimInfo],
-        slicing: &Slicing,
-        clipped: &ClippedBounds,
-        progress: &ProgressReporter,
-    ) -> Result<Self, Cancelled> {
-        if prims.len() > SEQUENTIAL {
-            progress.check()?;
-            let (a, b) = prims.split_at(prims.len() / 2);
-            let (mut a, b) =
-                try_join(|| Self::of(a, slicing, clipped, progress), || Self::of(b, slicing, clipped, progress))?;
-            for i in 0..SLICES {
-                a.bounds[i] = a.bounds[i].union(&b.bounds[i]);
-                a.begin[i] += b.begin[i];
-                a.end[i] += b.end[i];
-            }
-            return Ok(a);
-        }
-        let mut slices = Self { bounds: [Bounds3A::EMPTY; SLICES], begin: [0; SLICES], end: [0; SLICES] };
-        let axis = slicing.axis.index();
+impl Counts {
+    fn of(prims: &[PrimInfo], slicing: &Slicing) -> Self {
+        let mut counts = Self { begin: [0; SLICES], end: [0; SLICES] };
         for p in prims {
-            let bounds = p.bounds();
-            let [first, last] = slicing.range(bounds.min[axis], bounds.max[axis]);
-            slices.begin[first] += 1;
-            slices.end[last] += 1;
-            if first == last {
-                slices.bounds[first] = slices.bounds[first].union(&bounds);
-                continue;
-            }
-            let bounds = bounds.to_bounds();
-            for i in first..=last {
-                let mut part = bounds;
-                part.min[axis] = part.min[axis].max(slicing.planes[i]);
-                part.max[axis] = part.max[axis].min(slicing.planes[i + 1]);
-                slices.bounds[i] = slices.bounds[i].union(&clipped(p.index(), &part).into());
-            }
+            let [first, last] = slicing.range_of(p);
+            counts.begin[first] += 1;
+            counts.end[last] += 1;
         }
-        Ok(slices)
+        counts
     }
 
-    fn cheapest_plane(&self, slicing: &Slicing) -> Option<Plane> {
-        let mut best: Option<Plane> = None;
-        let mut behind = [(Bounds3A::EMPTY, 0); SLICES + 1];
-        for i in (1..SLICES).rev() {
-            behind[i] = (behind[i + 1].0.union(&self.bounds[i]), behind[i + 1].1 + self.end[i]);
+    fn plus(mut self, other: Self) -> Self {
+        for i in 0..SLICES {
+            self.begin[i] += other.begin[i];
+            self.end[i] += other.end[i];
         }
-        let mut before = (Bounds3A::EMPTY, 0);
-        for (i, &behind) in behind.iter().enumerate().take(SLICES).skip(1) {
-            before = (before.0.union(&self.bounds[i - 1]), before.1 + self.begin[i - 1]);
-            let sides = [before, behind];
-            let weight = sides.iter().map(|(bounds, count)| f64::from(*count) * bounds.area_or_zero()).sum();
-            if sides.iter().all(|(_, count)| *count > 0) && best.is_none_or(|best| weight < best.weight) {
-                best = Some(Plane { axis: slicing.axis, at: slicing.planes[i], sides, weight });
-            }
-        }
-        best
+        self
     }
+
+    /// For each plane, how many references have a part before it and behind it; before the first there is nothing.
+    fn sides(&self) -> [[u32; 2]; SLICES] {
+        let mut sides = [[0; 2]; SLICES];
+        let mut behind: u32 = self.end.iter().sum();
+        let mut before = 0;
+        for (side, (begin, end)) in sides[1..].iter_mut().zip(self.begin.iter().zip(&self.end)) {
+            before += begin;
+            behind -= end;
+            *side = [before, behind];
+        }
+        sides
+    }
+}
+
+/// The bounds of the parts in each slice.
+fn slices(
+    prims: &[PrimInfo],
+    slicing: &Slicing,
+    clipped: &ClippedBounds,
+    progress: &ProgressReporter,
+) -> Result<[Bounds3A; SLICES], Cancelled> {
+    if prims.len() > SEQUENTIAL {
+        progress.check()?;
+        let (a, b) = prims.split_at(prims.len() / 2);
+        let (a, b) = try_join(|| slices(a, slicing, clipped, progress), || slices(b, slicing, clipped, progress))?;
+        return Ok(std::array::from_fn(|i| a[i].union(&b[i])));
+    }
+    let mut slices = [Bounds3A::EMPTY; SLICES];
+    let axis = slicing.axis.index();
+    for p in prims {
+        let [first, last] = slicing.range_of(p);
+        if first == last {
+            slices[first] = slices[first].union(&p.bounds());
+            continue;
+        }
+        let bounds = p.bounds().to_bounds();
+        for (slice, planes) in slices.iter_mut().zip(slicing.planes.windows(2)).take(last + 1).skip(first) {
+            let mut part = bounds;
+            part.min[axis] = part.min[axis].max(planes[0]);
+            part.max[axis] = part.max[axis].min(planes[1]);
+            *slice = slice.union(&clipped(p.index(), &part).into());
+        }
+    }
+    Ok(slices)
+}
+
+/// The plane of least weight among those that fit.
+fn cheapest_of(
+    slices: &[Bounds3A; SLICES],
+    counts: &[[u32; 2]; SLICES],
+    fits: &[bool; SLICES],
+    slicing: &Slicing,
+) -> Option<Plane> {
+    let mut best: Option<Plane> = None;
+    let mut behind = [Bounds3A::EMPTY; SLICES + 1];
+    for i in (1..SLICES).rev() {
+        behind[i] = behind[i + 1].union(&slices[i]);
+    }
+    let mut before = Bounds3A::EMPTY;
+    for i in 1..SLICES {
+        before = before.union(&slices[i - 1]);
+        let sides = [(before, counts[i][0]), (behind[i], counts[i][1])];
+        let weight = sides.iter().map(|(bounds, count)| f64::from(*count) * bounds.area_or_zero()).sum();
+        if fits[i] && best.is_none_or(|best| weight < best.weight) {
+            best = Some(Plane { axis: slicing.axis, at: slicing.planes[i], sides, weight });
+        }
+    }
+    best
 }

@@ -65,7 +65,7 @@ impl<'a> Group<'a> {
         let prims = &self.room[..self.count];
         let [a_count, b_count] = [object.middle, self.count - object.middle].map(|count| count as f64);
         let Setting { rules: Rules { progress, .. }, clipped, .. } = self.setting;
-        let plane = cheapest_plane(prims, &self.extent.bounds.to_bounds(), clipped, progress)?;
+        let plane = cheapest_plane(prims, &self.extent.bounds.to_bounds(), clipped, self.room.len(), progress)?;
         let weight = a_count * a.surface_area() + b_count * b.surface_area();
         let Some(plane) = plane.filter(|plane| plane.weight < weight) else { return Ok(None) };
         let cut = Cut::new(prims, &plane, clipped, progress)?;
