@@ -1,4 +1,5 @@
-//! Rays through wide trees over 80 000 triangles: layouts, widths, one by one and in batches; the answers are checked first.
+//! Rays through wide trees over 80 000 triangles: layouts, widths, one by one and in batches; the answers are checked
+//! first.
 
 use std::sync::Arc;
 

@@ -1,4 +1,5 @@
-//! A tree must answer as the naive list does, bit for bit: both run the same kernel, so a difference is the tree's fault.
+//! A tree must answer as the naive list does, bit for bit: both run the same kernel, so a difference is the tree's
+//! fault.
 
 use std::sync::Arc;
 

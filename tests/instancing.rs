@@ -36,7 +36,8 @@ fn random_transform(random: &mut Random) -> Transform {
     place.then_inside(&turn).and_then(|t| t.then_inside(&size)).expect("invertible")
 }
 
-/// I01: the identity, exact permutations of the axes with signs, and powers of two give the bits of the flattened scene.
+/// I01: the identity, exact permutations of the axes with signs, and powers of two give the bits of the flattened
+/// scene.
 #[test]
 fn exact_transforms_are_invisible() {
     let mesh = bumpy();

@@ -23,7 +23,8 @@ fn bits(hit: Option<Hit>) -> Option<[u64; 4]> {
     hit.map(|h| [h.t, h.u, h.v].map(|x| u64::from(x.to_bits()))).zip(hit).map(|([t, u, v], h)| [t, u, v, h.primitive])
 }
 
-/// Whether both answer the same; how many rays hit. Fewer are asked of larger meshes: each may have to look at all triangles.
+/// Whether both answer the same; how many rays hit. Fewer are asked of larger meshes: each may have to look at all
+/// triangles.
 fn agree(a: &dyn Shape, b: &dyn Shape, mesh: &Arc<TriangleMesh>) -> usize {
     let rays = rays_at(mesh, &mesh.object_bound(), (200_000 / mesh.len()).min(1000), 3);
     let rays = rays.into_iter().filter_map(|(ray, _)| TraversalRay::new(&ray));

@@ -34,8 +34,8 @@ fn configs() -> [BuildConfig; 3] {
     [BuildConfig::highest(), config, config.with_reinsertion(None)]
 }
 
-/// Closest hits, any hits, all hits and batches of every layout and width are those of a tree whose space is not split; how
-/// many references the trees have beyond one for each triangle.
+/// Closest hits, any hits, all hits and batches of every layout and width are those of a tree whose space is not split;
+/// how many references the trees have beyond one for each triangle.
 fn check(name: &str, mesh: &Arc<TriangleMesh>, count: usize, seed: u64) -> usize {
     let reference = MeshBvh::build(Arc::clone(mesh), &BuildConfig::default()).expect("the default is valid").exact();
     let rays = rays_at(mesh, &mesh.object_bound(), count, seed);

@@ -72,7 +72,8 @@ fn small_meshes_have_the_same_hits() {
     }
 }
 
-/// All in one plane, line or place: quantised boxes have no extent there, and lanes without a child are met like the others.
+/// All in one plane, line or place: quantised boxes have no extent there, and lanes without a child are met like the
+/// others.
 #[test]
 fn flat_meshes_have_the_same_hits() {
     for (count, axes) in (1..40_u64).flat_map(|count| [1, 2].map(|axes| (count, axes))) {
@@ -117,7 +118,8 @@ fn interleaved_rays_have_the_same_hits() {
     assert!(found > segments.len() / 4);
 }
 
-/// Triangles smaller than what f32 can tell of their distance: products of two errors count, not only of error and extent.
+/// Triangles smaller than what f32 can tell of their distance: products of two errors count, not only of error and
+/// extent.
 #[test]
 fn small_and_far_triangles_are_hit() {
     let corners = [[32.0, 32.015625, 31.75], [32.0, 32.0625, 32.0625], [32.0, 31.75, 32.015625]].map(Vec3::from);

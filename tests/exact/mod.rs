@@ -79,7 +79,8 @@ fn near_ties() {
             1 => (0..ulps).fold(x, |x, _| x.next_down()),
             _ => x,
         };
-        // Each layer is the first with some coordinates moved, or folded about its first edge; two of them are the same.
+        // Each layer is the first with some coordinates moved, or folded about its first edge; two of them are the
+        // same.
         let is_fold = i % 2 == 0;
         let mut layers = vec![v];
         for _ in 0..4 {
@@ -190,8 +191,8 @@ fn instances() {
     assert!(all.hits > 2_000 && moved > 1_000, "{moved} {all:?}");
 }
 
-/// Instances in whose space the direction is of the order of the least number of f32, or has components that are: what f32
-/// has of it is up to half a unit off, and the largest component of the f64 direction is what counts.
+/// Instances in whose space the direction is of the order of the least number of f32, or has components that are: what
+/// f32 has of it is up to half a unit off, and the largest component of the f64 direction is what counts.
 #[test]
 fn denormal_directions_in_instances() {
     let (mut all, mut rounded) = (Findings::default(), 0);
@@ -210,9 +211,9 @@ fn denormal_directions_in_instances() {
     assert!(all.hits > 3_000 && rounded > 1_000, "{rounded} {all:?}");
 }
 
-/// `count` rays of the world of each kind at the mesh of an instance, that come from within three times `size` in its space;
-/// those that f64 holds exactly there, which is what the oracle knows, and how many of them f32 does not hold. Their
-/// directions are scaled by `speed`.
+/// `count` rays of the world of each kind at the mesh of an instance, that come from within three times `size` in its
+/// space; those that f64 holds exactly there, which is what the oracle knows, and how many of them f32 does not hold.
+/// Their directions are scaled by `speed`.
 fn through_the_map(answers: &Answers, count: usize, seed: u64, [size, speed]: [f64; 2]) -> (Vec<Ray>, usize) {
     let place = answers.place;
     assert_eq!(place.matrix().matrix3 * place.inverse_matrix().matrix3, DMat3::IDENTITY);

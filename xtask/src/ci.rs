@@ -9,8 +9,8 @@ use clap::Args;
 /// The library's crates.
 const CRATES: [&str; 4] = ["geometry", "primitive", "bvh-build", "bvh-flat"];
 
-/// Machines unlike this one: no threads and no files, other lanes, no reads at an offset. The library is checked for those of
-/// which the toolchain has the standard library.
+/// Machines unlike this one: no threads and no files, other lanes, no reads at an offset. The library is checked for
+/// those of which the toolchain has the standard library.
 const TARGETS: [&str; 3] = ["wasm32-unknown-unknown", "aarch64-unknown-linux-gnu", "x86_64-pc-windows-gnu"];
 
 #[derive(Args)]

@@ -75,8 +75,8 @@ pub fn timed<T>(f: impl FnOnce() -> T) -> (Duration, T) {
     (begun.elapsed(), value)
 }
 
-/// How long this thread has the processor for `f`, and what it gives: where the system tells it (Linux does), what others do
-/// on the machine counts less than in [`timed`].
+/// How long this thread has the processor for `f`, and what it gives: where the system tells it (Linux does), what
+/// others do on the machine counts less than in [`timed`].
 pub fn timed_on_processor<T>(f: impl FnOnce() -> T) -> (Duration, T) {
     let begun = on_processor();
     let (time, value) = timed(f);

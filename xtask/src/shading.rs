@@ -139,7 +139,8 @@ const COLOURS: [(&str, [f32; 3]); 26] = [
     ("plastic", [0.55, 0.55, 0.60]),
 ];
 
-/// A colour for a material: by a word in its name, else grey for the first and hues a golden angle apart for the others.
+/// A colour for a material: by a word in its name, else grey for the first and hues a golden angle apart for the
+/// others.
 fn albedo(index: u32, name: &str) -> Vec3 {
     if let Some((_, colour)) = COLOURS.iter().find(|(word, _)| name.contains(word)) {
         return Vec3::from(*colour);

@@ -17,9 +17,9 @@ use crate::table::count;
 pub struct Arguments {
     #[arg(help = SCENE_HELP, value_parser = SceneSource::parse)]
     scene: SceneSource,
-    /// The rays: a .rays file (little-endian f32 records ox oy oz tmin dx dy dz tmax) or a .npy file with a float32 array
-    /// of shape (N, 8), in the same order. Hits have tmin < t < tmax, both ends excluded; a record with NaN, a zero
-    /// direction or a negative tmin is a miss
+    /// The rays: a .rays file (little-endian f32 records ox oy oz tmin dx dy dz tmax) or a .npy file with a float32
+    /// array of shape (N, 8), in the same order. Hits have tmin < t < tmax, both ends excluded; a record with NaN, a
+    /// zero direction or a negative tmin is a miss
     #[arg(long, value_name = "FILE")]
     rays: PathBuf,
     /// Where the hits go: a structured .npy array with the fields t (+inf on a miss), instance, geometry, primitive

@@ -1,5 +1,5 @@
-//! What the crates promise of each other, read from their manifests and sources: the table of invariants in the README names
-//! these tests.
+//! What the crates promise of each other, read from their manifests and sources: the table of invariants in the README
+//! names these tests.
 
 use std::path::{Path, PathBuf};
 

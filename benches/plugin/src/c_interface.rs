@@ -1,7 +1,7 @@
 //! The C interface of the instrument: all unsafe code of this package.
 //!
-//! What the instrument promises, and each argument below relies on: a handle is the result of `peer_prepare`, is used by
-//! one thread at a time, and by no call after `peer_free`; arrays have the lengths that are given beside them, are
+//! What the instrument promises, and each argument below relies on: a handle is the result of `peer_prepare`, is used
+//! by one thread at a time, and by no call after `peer_free`; arrays have the lengths that are given beside them, are
 //! initialised, and nothing else writes to them during a call. A panic does not leave an `extern "C"` function: it ends
 //! the process with its message.
 #![allow(unsafe_code)]

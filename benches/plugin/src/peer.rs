@@ -17,7 +17,8 @@ pub struct Peer {
 }
 
 impl Peer {
-    /// Brings triangles, nine floats each, into the library's own form: a mesh in which no two triangles share a vertex.
+    /// Brings triangles, nine floats each, into the library's own form: a mesh in which no two triangles share a
+    /// vertex.
     pub fn prepare(name: &str, triangles: &[f32]) -> Self {
         let (_, build) = *VARIANTS.iter().find(|(n, _)| *n == name).unwrap_or_else(|| panic!("no row {name:?}"));
         let (corners, _) = triangles.as_chunks::<3>();

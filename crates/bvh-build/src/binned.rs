@@ -1,11 +1,11 @@
-//! The recursion by the surface area heuristic along all axes: each level moves primitives from one array to another, which is
-//! faster than moving them within one, and can be done by many threads.
+//! The recursion by the surface area heuristic along all axes: each level moves primitives from one array to another,
+//! which is faster than moving them within one, and can be done by many threads.
 //!
-//! Rejected: to divide clusters of up to 16 neighbours along the Morton curve instead of primitives, in nodes of more than 128
-//! (after Hendrich, Meister and Bittner, *Parallel BVH Construction using Progressive Hierarchical Refinement*, 2017). Builds
-//! take 0.76 to 0.85 of the time, but rays visit 2 % more nodes on dragon and 18 % more on black-forest, where large triangles
-//! lie among small ones; with clusters only of triangles of like size that lie close together 2 and 5 % more, for 0.8 to 0.95
-//! of the time.
+//! Rejected: to divide clusters of up to 16 neighbours along the Morton curve instead of primitives, in nodes of more
+//! than 128 (after Hendrich, Meister and Bittner, *Parallel BVH Construction using Progressive Hierarchical
+//! Refinement*, 2017). Builds take 0.76 to 0.85 of the time, but rays visit 2 % more nodes on dragon and 18 % more on
+//! black-forest, where large triangles lie among small ones; with clusters only of triangles of like size that lie
+//! close together 2 and 5 % more, for 0.8 to 0.95 of the time.
 
 use crate::parallel::{self, try_join};
 use crate::prim_info::{Bounds3A, Extent, PrimInfo};

@@ -26,8 +26,8 @@ pub fn build(bounds: &[Bounds3], config: &BuildConfig) -> Result<Tree, BuildErro
 /// number of threads and without the feature `parallel`. Time is linear in n for each level of the tree.
 ///
 /// # Errors
-/// [`BuildError::InvalidConfig`], [`BuildError::TooManyPrimitives`] beyond 2³¹ bounds, and [`BuildError::Cancelled`] where the
-/// observer wants it.
+/// [`BuildError::InvalidConfig`], [`BuildError::TooManyPrimitives`] beyond 2³¹ bounds, and [`BuildError::Cancelled`]
+/// where the observer wants it.
 pub fn build_observed(
     bounds: &[Bounds3],
     config: &BuildConfig,
@@ -36,8 +36,8 @@ pub fn build_observed(
     build_clipped(bounds.len(), |i| bounds[i as usize], None, config, observer)
 }
 
-/// As [`build_observed`], of `count` primitives that are asked for their bounds, and can be asked for those of their parts: so
-/// space can be split, where the configuration [says so](BuildConfig::spatial_splits).
+/// As [`build_observed`], of `count` primitives that are asked for their bounds, and can be asked for those of their
+/// parts: so space can be split, where the configuration [says so](BuildConfig::spatial_splits).
 ///
 /// # Errors
 /// As [`build_observed`].
@@ -94,12 +94,12 @@ impl Tree {
     /// `observer` is told of it and may say that it is enough (see [`BuildObserver::reinserted`]).
     ///
     /// Leaves are the same, in another order; the cost is not larger; the tree is the same, bit for bit, on any number
-    /// of threads. A tree of small leaves gains most. The statistics are by the costs of `config`, of which nothing else
-    /// counts. See [`BuildConfig::reinsertion`] for the way to build such a tree at once.
+    /// of threads. A tree of small leaves gains most. The statistics are by the costs of `config`, of which nothing
+    /// else counts. See [`BuildConfig::reinsertion`] for the way to build such a tree at once.
     ///
     /// # Errors
-    /// [`BuildError::InvalidConfig`]; and [`BuildError::Cancelled`], with which the tree is lost: an observer that wants it as
-    /// it is then answers [`reinserted`](BuildObserver::reinserted) so.
+    /// [`BuildError::InvalidConfig`]; and [`BuildError::Cancelled`], with which the tree is lost: an observer that
+    /// wants it as it is then answers [`reinserted`](BuildObserver::reinserted) so.
     pub fn optimized(self, config: &BuildConfig, observer: &dyn BuildObserver) -> Result<Self, BuildError> {
         config.validate()?;
         let TreeStatistics { active_count, inactive_count, .. } = *self.statistics();
@@ -174,7 +174,8 @@ fn assembly(
     })
 }
 
-/// The tree of `nodes` with its statistics, as the observer is told; `counts` are those of active primitives and of all.
+/// The tree of `nodes` with its statistics, as the observer is told; `counts` are those of active primitives and of
+/// all.
 fn finish(
     nodes: Vec<Node>,
     order: Vec<u32>,

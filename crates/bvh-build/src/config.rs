@@ -38,8 +38,8 @@ pub enum SplitAxes {
     /// Along the one on which the centroids are spread most, as in pbrt. The fastest.
     #[default]
     Dominant,
-    /// Along all three, over no more buckets than half the primitives of a node, but eight; and in nodes of no more primitives
-    /// than [`full_sweep`](BuildConfig::full_sweep) over all boundaries between two centroids.
+    /// Along all three, over no more buckets than half the primitives of a node, but eight; and in nodes of no more
+    /// primitives than [`full_sweep`](BuildConfig::full_sweep) over all boundaries between two centroids.
     All,
 }
 
@@ -78,28 +78,29 @@ pub struct BuildConfig {
     pub traversal_cost: f32,
     /// The chapter's t_isect: the cost of testing one primitive. Finite, not negative; default 1.
     pub intersection_cost: f32,
-    /// The cost of visiting a leaf, beside that of its primitives; where several are tested at once it is the larger part.
-    /// Counted where leaves are merged for [`reinsertion`](Self::reinsertion), and in the statistics. Splitting a node
-    /// leaves it out: as long as there are many primitives, what they are divided into is no leaf. Finite, not negative;
-    /// default 0.
+    /// The cost of visiting a leaf, beside that of its primitives; where several are tested at once it is the larger
+    /// part. Counted where leaves are merged for [`reinsertion`](Self::reinsertion), and in the statistics. Splitting a
+    /// node leaves it out: as long as there are many primitives, what they are divided into is no leaf. Finite, not
+    /// negative; default 0.
     pub leaf_cost: f32,
-    /// Into how many buckets the interval of a node's centroids is divided, wherever a node is split by the surface area
-    /// heuristic: by [`SplitMethod::Sah`], and above the treelets of [`SplitMethod::Hlbvh`]. More of them find cheaper
-    /// splits and take longer to search. Between 2 and 64; default 12, as in pbrt.
+    /// Into how many buckets the interval of a node's centroids is divided, wherever a node is split by the surface
+    /// area heuristic: by [`SplitMethod::Sah`], and above the treelets of [`SplitMethod::Hlbvh`]. More of them find
+    /// cheaper splits and take longer to search. Between 2 and 64; default 12, as in pbrt.
     pub buckets: u32,
     /// Along which axes the same splits are looked for; default [`SplitAxes::Dominant`].
     pub axes: SplitAxes,
-    /// With [`SplitAxes::All`], nodes of no more primitives need no buckets: their primitives are swept in the order of their
-    /// centroids on each axis, and every boundary between two centroids is weighed. At most 64; default 16.
+    /// With [`SplitAxes::All`], nodes of no more primitives need no buckets: their primitives are swept in the order of
+    /// their centroids on each axis, and every boundary between two centroids is weighed. At most 64; default 16.
     pub full_sweep: u32,
     /// The length of the Morton codes; only [`SplitMethod::Hlbvh`] uses it.
     pub morton_bits: MortonBits,
     /// Whether the tree is optimised by reinsertion, and for how long. With it, a build first makes leaves of one
-    /// primitive each, whatever the method; merges them, up to [`max_primitives_in_leaf`](Self::max_primitives_in_leaf),
-    /// where the heuristic says that this is cheaper; and then moves subtrees. Default `None`.
+    /// primitive each, whatever the method; merges them, up to
+    /// [`max_primitives_in_leaf`](Self::max_primitives_in_leaf), where the heuristic says that this is cheaper; and
+    /// then moves subtrees. Default `None`.
     pub reinsertion: Option<Reinsertion>,
-    /// Whether nodes may be divided by planes that cut primitives. Only [`SplitMethod::Sah`] does so, and only where the
-    /// builder can ask for the parts of a primitive ([`build_split`](crate::build_split)). Default `None`.
+    /// Whether nodes may be divided by planes that cut primitives. Only [`SplitMethod::Sah`] does so, and only where
+    /// the builder can ask for the parts of a primitive ([`build_split`](crate::build_split)). Default `None`.
     pub spatial_splits: Option<SpatialSplits>,
 }
 
@@ -144,9 +145,9 @@ impl BuildConfig {
 
     /// The tree now: [`SplitMethod::Hlbvh`] with leaves of up to eight.
     ///
-    /// The presets, measured as wide trees of kitchen (1.4 million triangles) and sponza (66 thousand): the time of a build on
-    /// one thread, and the speed of primary, diffuse, shadow and random rays in geometric mean. AMD EPYC (Zen 4), feature
-    /// `mmap`, processor time on a busy machine, 2026-11-25.
+    /// The presets, measured as wide trees of kitchen (1.4 million triangles) and sponza (66 thousand): the time of a
+    /// build on one thread, and the speed of primary, diffuse, shadow and random rays in geometric mean. AMD EPYC (Zen
+    /// 4), feature `mmap`, processor time on a busy machine, 2026-11-25.
     ///
     /// | preset | kitchen | | sponza | |
     /// |---|--:|--:|--:|--:|
@@ -157,8 +158,9 @@ impl BuildConfig {
     /// | `high` | 2.6 s | 6.2 Mray/s | 108 ms | 6.5 Mray/s |
     /// | `highest` | 3.3 s | 6.2 Mray/s | 220 ms | 6.6 Mray/s |
     ///
-    /// Large triangles among small ones are what reinsertion and spatial splits are good for. Of scans all trees are nearly
-    /// as good (dragon: 4.5, 4.7, 5.1 and 5.1 Mray/s), and `balanced` is the better one of the two in the middle.
+    /// Large triangles among small ones are what reinsertion and spatial splits are good for. Of scans all trees are
+    /// nearly as good (dragon: 4.5, 4.7, 5.1 and 5.1 Mray/s), and `balanced` is the better one of the two in the
+    /// middle.
     pub const fn fastest() -> Self {
         Self::new(SplitMethod::Hlbvh).with_max_primitives_in_leaf(8)
     }
@@ -170,8 +172,8 @@ impl BuildConfig {
 
     /// A good tree of whatever there is, in little time: [`SplitMethod::Sah`] over 32 buckets on all axes.
     ///
-    /// Leaves of up to five, and no full sweeps: with four and sweeps of 16, a build takes 1.05 to 1.1 times as long, and no rays
-    /// are faster. With eight it takes 0.83 of the time, and kitchen's rays 1.06.
+    /// Leaves of up to five, and no full sweeps: with four and sweeps of 16, a build takes 1.05 to 1.1 times as long,
+    /// and no rays are faster. With eight it takes 0.83 of the time, and kitchen's rays 1.06.
     pub const fn balanced() -> Self {
         Self::new(SplitMethod::Sah)
             .with_buckets(32)
@@ -180,16 +182,16 @@ impl BuildConfig {
             .with_max_primitives_in_leaf(5)
     }
 
-    /// A better tree: [`SplitMethod::Sah`] over 64 buckets on all axes, then [`Reinsertion`], in one and a half to two times
-    /// the time of [`balanced`](Self::balanced); and where the builder can ask for the parts of primitives, with
+    /// A better tree: [`SplitMethod::Sah`] over 64 buckets on all axes, then [`Reinsertion`], in one and a half to two
+    /// times the time of [`balanced`](Self::balanced); and where the builder can ask for the parts of primitives, with
     /// [`SpatialSplits`] of large nodes, in up to four times that time.
     pub const fn high() -> Self {
         let splits = SpatialSplits::new(1e-5, 0.1).with_least_references(4096);
         Self { spatial_splits: Some(splits), ..Self::highest() }
     }
 
-    /// The best tree: as [`high`](Self::high), with [`SpatialSplits`] of smaller nodes too, in four to fourteen times the time of
-    /// [`balanced`](Self::balanced).
+    /// The best tree: as [`high`](Self::high), with [`SpatialSplits`] of smaller nodes too, in four to fourteen times
+    /// the time of [`balanced`](Self::balanced).
     pub const fn highest() -> Self {
         Self::new(SplitMethod::Sah)
             .with_buckets(64)

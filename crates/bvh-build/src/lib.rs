@@ -17,8 +17,8 @@
 //!   Centroids are gathered in 12 buckets, the cost is computed for the 11 boundaries between them, and the least wins:
 //!   the split, or the leaf where that is cheaper. [More buckets](BuildConfig::buckets) and [all
 //!   axes](BuildConfig::axes) instead of the dominant one find better splits.
-//! - [`Hlbvh`](SplitMethod::Hlbvh) sorts where the others search. Interleaving the bits of a centroid's grid coordinates
-//!   gives its place along the Morton curve, and sorting by it puts neighbours next to each other:
+//! - [`Hlbvh`](SplitMethod::Hlbvh) sorts where the others search. Interleaving the bits of a centroid's grid
+//!   coordinates gives its place along the Morton curve, and sorting by it puts neighbours next to each other:
 //!
 //!   ```text
 //!     x =     x₉  …        x₆        x₅  …        x₀     10 bits for each axis (or 21)
@@ -37,8 +37,8 @@
 //!
 //! Beyond the chapter, [`Reinsertion`] takes subtrees of a finished tree out and puts them back where they cost less
 //! (Meister and Bittner 2018): as a step of the build, of which [`BuildConfig::highest`] is an example, or for as
-//! long as an observer lets it ([`Tree::optimized`]). And with [`SpatialSplits`] a node may be divided by a plane that cuts
-//! primitives, which are then in several leaves (Stich, Friedrich and Dietrich 2009; [`build_split`]).
+//! long as an observer lets it ([`Tree::optimized`]). And with [`SpatialSplits`] a node may be divided by a plane that
+//! cuts primitives, which are then in several leaves (Stich, Friedrich and Dietrich 2009; [`build_split`]).
 //!
 //! ```
 //! use bvh_build::geometry::{Bounds3, glam::Vec3};
@@ -85,8 +85,8 @@ mod split;
 mod subtree;
 mod tree;
 
-/// The version of the builder: another one makes other trees of the same bounds and the same configuration. To be raised with
-/// every change that does, so that trees which are kept in files are told from new ones.
+/// The version of the builder: another one makes other trees of the same bounds and the same configuration. To be
+/// raised with every change that does, so that trees which are kept in files are told from new ones.
 pub const BUILDER_VERSION: u32 = 3;
 
 pub use builder::{build, build_observed, build_split};

@@ -44,9 +44,9 @@ impl MortonGrid {
         3 * self.bits_per_axis
     }
 
-    /// The code of the cell with the centroid of `p`. On the longest axis the lowest coordinate is in the first cell and
-    /// the highest in the last. Where the scale overflows, or all centroids are one point, it is infinite: the lowest
-    /// coordinate becomes 0 · ∞, which is NaN and converts to cell 0, and all others are in the last cell.
+    /// The code of the cell with the centroid of `p`. On the longest axis the lowest coordinate is in the first cell
+    /// and the highest in the last. Where the scale overflows, or all centroids are one point, it is infinite: the
+    /// lowest coordinate becomes 0 · ∞, which is NaN and converts to cell 0, and all others are in the last cell.
     pub(crate) fn code(&self, p: &PrimInfo) -> u64 {
         let last = (1_u32 << self.bits_per_axis) - 1;
         let cell =

@@ -4,16 +4,16 @@ use std::ops::ControlFlow;
 
 use crate::{PhaseProgress, ReinsertionProgress, TreeStatistics};
 
-/// A part of a build. Phases do not overlap; which of them take place, and in what order, depends on the split method and on
-/// what is built. What a phase counts as its items stands in brackets.
+/// A part of a build. Phases do not overlap; which of them take place, and in what order, depends on the split method
+/// and on what is built. What a phase counts as its items stands in brackets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Phase {
     /// Checking and copying the bounds of all active primitives (primitives).
     Bounds,
     /// The recursion from the root down: [`Sah`](crate::SplitMethod::Sah), [`Middle`](crate::SplitMethod::Middle),
-    /// [`EqualCounts`](crate::SplitMethod::EqualCounts) (primitives; with [`SpatialSplits`](crate::SpatialSplits) references,
-    /// of which there may be fewer in the end than there is room for).
+    /// [`EqualCounts`](crate::SplitMethod::EqualCounts) (primitives; with [`SpatialSplits`](crate::SpatialSplits)
+    /// references, of which there may be fewer in the end than there is room for).
     Recursion,
     /// Computing Morton codes: [`Hlbvh`](crate::SplitMethod::Hlbvh), as the next three (primitives).
     MortonCodes,
@@ -25,20 +25,20 @@ pub enum Phase {
     UpperTree,
     /// Putting all nodes into one array, depth first (nodes).
     Assembly,
-    /// Merging leaves, and then moving subtrees to better places: [`Reinsertion`](crate::Reinsertion) (candidates of all
-    /// passes; the last ones may not take place).
+    /// Merging leaves, and then moving subtrees to better places: [`Reinsertion`](crate::Reinsertion) (candidates of
+    /// all passes; the last ones may not take place).
     Reinsertion,
     /// Computing the statistics (nodes).
     Statistics,
     /// Deciding which nodes become nodes of a wide tree, as `bvh-flat` does (nodes).
     Collapse,
-    /// Writing nodes and leaves in the form in which they are traversed, as `bvh-flat` does (cache lines of a wide tree; nodes
-    /// and primitives of a binary one).
+    /// Writing nodes and leaves in the form in which they are traversed, as `bvh-flat` does (cache lines of a wide
+    /// tree; nodes and primitives of a binary one).
     Emission,
 }
 
-/// Watches a build; [`build_observed`](crate::build_observed), [`Tree::optimized`](crate::Tree::optimized) and the builders of
-/// `bvh-flat` take one. The library reads no clock; an observer may.
+/// Watches a build; [`build_observed`](crate::build_observed), [`Tree::optimized`](crate::Tree::optimized) and the
+/// builders of `bvh-flat` take one. The library reads no clock; an observer may.
 ///
 /// ```
 /// use std::ops::ControlFlow;
@@ -71,20 +71,22 @@ pub trait BuildObserver: Sync {
         let _ = phase;
     }
 
-    /// The phase has come so far. The answer `Break` ends the build with [`BuildError::Cancelled`](crate::BuildError::Cancelled),
-    /// within milliseconds on all threads, and nobody is asked again. (Selecting the median of all primitives is not
-    /// interrupted, as [`EqualCounts`](crate::SplitMethod::EqualCounts) does at the root: ten milliseconds for a million.)
+    /// The phase has come so far. The answer `Break` ends the build with
+    /// [`BuildError::Cancelled`](crate::BuildError::Cancelled), within milliseconds on all threads, and nobody is asked
+    /// again. (Selecting the median of all primitives is not interrupted, as
+    /// [`EqualCounts`](crate::SplitMethod::EqualCounts) does at the root: ten milliseconds for a million.)
     ///
-    /// Called from any thread of the build, from several at once, so that an earlier progress may come after a later one;
-    /// once at least in every phase; and so often (each thread in every millisecond or so) that it should not take long.
+    /// Called from any thread of the build, from several at once, so that an earlier progress may come after a later
+    /// one; once at least in every phase; and so often (each thread in every millisecond or so) that it should not take
+    /// long.
     fn progressed(&self, progress: &PhaseProgress) -> ControlFlow<()> {
         let _ = progress;
         ControlFlow::Continue(())
     }
 
     /// Reinsertion has come so far: many times in a pass, after a part of its candidates that does not depend on the
-    /// number of threads; on the thread that called the builder. The answer `Break` ends it with the tree as it is then, which
-    /// is valid at any time. An observer with a deadline answers by its clock.
+    /// number of threads; on the thread that called the builder. The answer `Break` ends it with the tree as it is
+    /// then, which is valid at any time. An observer with a deadline answers by its clock.
     fn reinserted(&self, progress: &ReinsertionProgress) -> ControlFlow<()> {
         let _ = progress;
         ControlFlow::Continue(())

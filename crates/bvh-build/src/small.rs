@@ -19,8 +19,8 @@ struct Range {
 }
 
 /// Appends the subtree of `prims`, at most [`MAX_SWEPT`], which begin at `first` in the order of all. Its root is at
-/// `depth`; the result is the depth of the deepest node. The tree is that of one sweep for each node, and the sorting is
-/// done once for all.
+/// `depth`; the result is the depth of the deepest node. The tree is that of one sweep for each node, and the sorting
+/// is done once for all.
 #[inline(never)] // Its arrays are large.
 pub(crate) fn grow(prims: &mut [PrimInfo], first: usize, rules: &Rules, depth: u32, nodes: &mut Vec<Node>) -> u32 {
     let mut sorted = Sorted::new(prims);

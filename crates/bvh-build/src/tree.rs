@@ -10,8 +10,8 @@ use crate::{BuildConfig, Cancelled, ProgressReporter};
 /// they are the smallest that do. Every active primitive is in one leaf. No path has more than
 /// [`MAX_DEPTH`](crate::MAX_DEPTH) nodes, and n primitives make at most 2n − 1 of them.
 ///
-/// Where space was [split](crate::SpatialSplits), a primitive may be in several leaves, in none of them twice: each has the
-/// part of it that is within its bounds, and together all of it. Then n counts these references.
+/// Where space was [split](crate::SpatialSplits), a primitive may be in several leaves, in none of them twice: each has
+/// the part of it that is within its bounds, and together all of it. Then n counts these references.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tree {
     nodes: Vec<Node>,

@@ -15,11 +15,11 @@ use crate::{BuildConfig, BuildError, BuildObserver};
 use crate::{FlatBvh, InvalidBvh};
 
 /// Primitives with a tree over their bounds: pbrt's BVHAggregate, and a [`Primitive`] itself. With `P = Box<dyn
-/// Primitive>` it mixes anything; with an enum of a scene's own kinds there is no dispatch. Every answer is the same, bit
-/// for bit, as that of the [`PrimitiveList`] alone, whatever the tree.
+/// Primitive>` it mixes anything; with an enum of a scene's own kinds there is no dispatch. Every answer is the same,
+/// bit for bit, as that of the [`PrimitiveList`] alone, whatever the tree.
 ///
-/// Rays go through a wide tree, eight boxes at a time, that is collapsed from the flat one. Members do not move: the next
-/// frame's aggregate is built over the next frame's members, which as `Arc<…>` share what is in them.
+/// Rays go through a wide tree, eight boxes at a time, that is collapsed from the flat one. Members do not move: the
+/// next frame's aggregate is built over the next frame's members, which as `Arc<…>` share what is in them.
 #[derive(Clone, Debug)]
 pub struct BvhAggregate<P> {
     list: PrimitiveList<P>,

@@ -13,17 +13,17 @@ use geometry::{
 
 use crate::{FlatBvh, MeshBvh};
 
-/// A [`MeshBvh`] whose every decision is that of real arithmetic on the given numbers: which triangles a ray hits, which
-/// hit is the closest, and of equal t* which triangle is the first. See [`geometry::exact`] for what that means, and
-/// [`ExactRay::values`] for `t`, `u` and `v`. The answer is the same, bit for bit, for every tree.
+/// A [`MeshBvh`] whose every decision is that of real arithmetic on the given numbers: which triangles a ray hits,
+/// which hit is the closest, and of equal t* which triangle is the first. See [`geometry::exact`] for what that means,
+/// and [`ExactRay::values`] for `t`, `u` and `v`. The answer is the same, bit for bit, for every tree.
 ///
 /// Between this mesh and other shapes, and by visitors of its hits, the closer is decided by the rounded `t`, as
 /// everywhere.
 ///
 /// *No tree loses a hit.* The exact ray is in the triangle at t*, so in the box of every node above it. The padded test
-/// gives an entry `fl(x)` with x <= t* and an exit `fl(y)` with y >= t*; as rounding is monotone, entry <= exit, and the
-/// entry is at most t* rounded up. The closest hit so far bounds the search by a number that is at least its t*, rounded
-/// up; so no node is passed by that has a hit as close. An entry beyond `f32::MAX` is that of no hit.
+/// gives an entry `fl(x)` with x <= t* and an exit `fl(y)` with y >= t*; as rounding is monotone, entry <= exit, and
+/// the entry is at most t* rounded up. The closest hit so far bounds the search by a number that is at least its t*,
+/// rounded up; so no node is passed by that has a hit as close. An entry beyond `f32::MAX` is that of no hit.
 #[derive(Clone, Debug)]
 pub struct ExactMesh {
     bvh: MeshBvh,
@@ -189,10 +189,10 @@ impl Shape for ExactMesh {
 
 /// The padded box test for a ray whose f32 form is rounded: conservative for the f64 ray.
 ///
-/// The box grows by more than the origin moved. The direction is wrong by one rounding, u relatively, and the padding of
-/// 12 u has room for it beside its own 4 u. Near 2¹²⁷ its own are 10 u, since reciprocals are denormal; near 2⁻¹²⁷ the
-/// direction is, and wrong by 4 u. Smaller components have no finite reciprocal: f32::MAX, which is less, stands for it
-/// where the ray enters, and nothing bounds it where it leaves.
+/// The box grows by more than the origin moved. The direction is wrong by one rounding, u relatively, and the padding
+/// of 12 u has room for it beside its own 4 u. Near 2¹²⁷ its own are 10 u, since reciprocals are denormal; near 2⁻¹²⁷
+/// the direction is, and wrong by 4 u. Smaller components have no finite reciprocal: f32::MAX, which is less, stands
+/// for it where the ray enters, and nothing bounds it where it leaves.
 #[derive(Clone, Copy, Debug)]
 struct RoundedRay;
 

@@ -9,11 +9,12 @@ use crate::{BuildConfig, BuildError, BuildObserver, FlatBvh, LinearBvhNode};
 const _: () = assert!(bvh_build::MAX_DEPTH as usize <= crate::MAX_DEPTH);
 
 impl FlatBvh {
-    /// Builds and flattens a tree over `bounds`. A primitive whose box is not [valid](Bounds3::is_valid) is inactive: it
-    /// keeps its number, and no leaf has it.
+    /// Builds and flattens a tree over `bounds`. A primitive whose box is not [valid](Bounds3::is_valid) is inactive:
+    /// it keeps its number, and no leaf has it.
     ///
     /// # Errors
-    /// [`BuildError`] for a configuration or a number of primitives that the builder refuses, and where `observer` cancels.
+    /// [`BuildError`] for a configuration or a number of primitives that the builder refuses, and where `observer`
+    /// cancels.
     pub fn build(bounds: &[Bounds3], config: &BuildConfig, observer: &dyn BuildObserver) -> Result<Self, BuildError> {
         let tree = bvh_build::build_observed(bounds, config, observer)?;
         let nodes = tree.nodes();

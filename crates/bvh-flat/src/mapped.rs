@@ -1,10 +1,10 @@
 //! Files in memory, and lines that lie in them: beside `simd` the only place with `unsafe` code.
 //!
 //! # What a mapping relies on
-//! Nobody may change or shorten the file while it is mapped. This library never does: it writes a new file and renames it,
-//! and the old one stays as it is for whoever has it open. Where another program does, a read beyond the new end ends the
-//! process (`SIGBUS`), and changed bytes are undefined behaviour as far as the language goes; in practice rays get wrong
-//! answers. Whoever cannot rule that out reads the file instead.
+//! Nobody may change or shorten the file while it is mapped. This library never does: it writes a new file and renames
+//! it, and the old one stays as it is for whoever has it open. Where another program does, a read beyond the new end
+//! ends the process (`SIGBUS`), and changed bytes are undefined behaviour as far as the language goes; in practice rays
+//! get wrong answers. Whoever cannot rule that out reads the file instead.
 
 #![allow(unsafe_code)]
 
@@ -23,8 +23,8 @@ pub(crate) struct Map(Arc<Mmap>);
 
 impl Map {
     pub(crate) fn new(file: &File) -> io::Result<Self> {
-        // SAFETY: the bytes must not change while they are mapped. That is the condition under which the feature `mmap` and
-        // the functions that map are offered, and no function of this library writes to an existing file.
+        // SAFETY: the bytes must not change while they are mapped. That is the condition under which the feature `mmap`
+        // and the functions that map are offered, and no function of this library writes to an existing file.
         unsafe { Mmap::map(file) }.map(|map| Self(Arc::new(map)))
     }
 
@@ -42,8 +42,8 @@ impl Map {
     }
 }
 
-/// New memory, of zeros, in pages of 2 MiB where the system has them: with those of 4 KiB a tree of 89 MB takes 50 ms of the
-/// processor's time to be read, with these 20, since every page is made by a fault of its own.
+/// New memory, of zeros, in pages of 2 MiB where the system has them: with those of 4 KiB a tree of 89 MB takes 50 ms
+/// of the processor's time to be read, with these 20, since every page is made by a fault of its own.
 pub(crate) struct LargePages(MmapMut);
 
 /// From so many bytes on large pages are worth asking for.
@@ -67,15 +67,15 @@ impl LargePages {
 
     /// The same memory as lines that do not change.
     pub(crate) fn into_lines(self) -> Lines {
-        // SAFETY: as in `Lines::from`; the mapping is private, stays where it is, and `Lines` writes to it no more than to a
-        // vector.
+        // SAFETY: as in `Lines::from`; the mapping is private, stays where it is, and `Lines` writes to it no more than
+        // to a vector.
         let lines = unsafe { &*std::ptr::from_ref::<[Line]>(bytemuck::cast_slice(&self.0)) };
         Lines { lines, owner: Owner::Pages(Arc::new(self.0)) }
     }
 }
 
-/// Lines, and what they lie in. Reading them is reading a slice, wherever they are: an enum would be asked at each step of
-/// each ray.
+/// Lines, and what they lie in. Reading them is reading a slice, wherever they are: an enum would be asked at each step
+/// of each ray.
 pub(crate) struct Lines {
     /// Not for longer than `owner`: no function gives it out for `'static`.
     lines: &'static [Line],
@@ -114,9 +114,9 @@ impl Lines {
 
 impl From<Vec<Line>> for Lines {
     fn from(owner: Vec<Line>) -> Self {
-        // SAFETY: the memory of a vector stays where it is when the vector itself is moved, and this one is never changed, nor
-        // dropped before the reference: both are fields of the same value, and `deref` gives the slice out for no longer than
-        // that is borrowed.
+        // SAFETY: the memory of a vector stays where it is when the vector itself is moved, and this one is never
+        // changed, nor dropped before the reference: both are fields of the same value, and `deref` gives the slice out
+        // for no longer than that is borrowed.
         let lines = unsafe { &*std::ptr::from_ref(owner.as_slice()) };
         Self { lines, owner: Owner::Vec(owner) }
     }

@@ -19,8 +19,8 @@ use crate::flatten::observed_collect;
 use crate::{BuildConfig, BuildError, BuildObserver};
 use crate::{FlatBvh, InvalidBvh};
 
-/// A triangle mesh with a tree over its triangles: a [`Shape`] whose primitives are the mesh's triangles, under their own
-/// numbers. Every answer is the same, bit for bit, as that of the mesh alone, whatever the tree.
+/// A triangle mesh with a tree over its triangles: a [`Shape`] whose primitives are the mesh's triangles, under their
+/// own numbers. Every answer is the same, bit for bit, as that of the mesh alone, whatever the tree.
 ///
 /// That holds for the default kernels. Others are for showing what they lose: [`with_kernels`](Self::with_kernels).
 /// A clone shares mesh and tree.
@@ -70,8 +70,8 @@ impl MeshBvh {
     /// Joins a mesh and a tree over its triangles' bounds.
     ///
     /// # Errors
-    /// [`InvalidBvh::Geometry`] where the tree does not fit the mesh: not built over as many primitives, a leaf that does
-    /// not contain its triangles, or an active triangle that no leaf has.
+    /// [`InvalidBvh::Geometry`] where the tree does not fit the mesh: not built over as many primitives, a leaf that
+    /// does not contain its triangles, or an active triangle that no leaf has.
     pub fn from_parts(mesh: impl Into<Arc<TriangleMesh>>, bvh: FlatBvh) -> Result<Self, InvalidBvh> {
         let mesh = mesh.into();
         bvh.validate_against(mesh.len(), |i| mesh.triangle_bounds(i))?;

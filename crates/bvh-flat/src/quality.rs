@@ -8,38 +8,39 @@ use crate::{FlatBvh, WideMesh};
 
 pub(crate) use boxes::Boxes;
 
-/// What a node costs a ray that meets it, where testing a primitive costs 1: pbrt's t_trav, as in the default configuration.
+/// What a node costs a ray that meets it, where testing a primitive costs 1: pbrt's t_trav, as in the default
+/// configuration.
 const NODE_COST: f64 = 0.5;
 
 /// How good a tree is.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct TreeQuality {
-    /// The expected cost of a random ray through the root's box, by the surface area heuristic: the sum over all nodes of what a
-    /// node costs times its surface area, as a part of the root's. 0 where the root has no area.
+    /// The expected cost of a random ray through the root's box, by the surface area heuristic: the sum over all nodes
+    /// of what a node costs times its surface area, as a part of the root's. 0 where the root has no area.
     pub sah_cost: f64,
-    /// By how much children overlap: the surface areas of what any two children of a node have in common, over all interior
-    /// nodes, as a part of the root's. 0 where the root has no area.
+    /// By how much children overlap: the surface areas of what any two children of a node have in common, over all
+    /// interior nodes, as a part of the root's. 0 where the root has no area.
     pub overlap: f64,
     /// How many leaves have 0, 1, 2, … primitives, up to the largest.
     pub leaf_histogram: Vec<u32>,
 }
 
 impl FlatBvh {
-    /// How good the tree is, as far as its boxes tell. An interior node costs 1/2 and a leaf the number of its primitives, as in
-    /// the default configuration. Linear in the number of nodes.
+    /// How good the tree is, as far as its boxes tell. An interior node costs 1/2 and a leaf the number of its
+    /// primitives, as in the default configuration. Linear in the number of nodes.
     pub fn quality(&self) -> TreeQuality {
         self.boxes().quality()
     }
 
-    /// The effective primitive overlap of the tree over a mesh: the surface of the triangles that lies in the box of a node
-    /// without belonging to it, times what the node costs, over all nodes, as a part of all surface. Of two trees of equal
-    /// [`sah_cost`](TreeQuality::sah_cost), rays from one surface to the next are the faster in that of less (Aila, Karras
-    /// and Laine, *On Quality Metrics of Bounding Volume Hierarchies*, High Performance Graphics 2013, equation 4). 0 where
-    /// there is no surface.
+    /// The effective primitive overlap of the tree over a mesh: the surface of the triangles that lies in the box of a
+    /// node without belonging to it, times what the node costs, over all nodes, as a part of all surface. Of two trees
+    /// of equal [`sah_cost`](TreeQuality::sah_cost), rays from one surface to the next are the faster in that of less
+    /// (Aila, Karras and Laine, *On Quality Metrics of Bounding Volume Hierarchies*, High Performance Graphics 2013,
+    /// equation 4). 0 where there is no surface.
     ///
-    /// Each triangle is cut by every box that it meets, in f64: this takes longer than the build. On all threads of the current
-    /// rayon pool with the feature `parallel`, and with the same result on any number.
+    /// Each triangle is cut by every box that it meets, in f64: this takes longer than the build. On all threads of the
+    /// current rayon pool with the feature `parallel`, and with the same result on any number.
     ///
     /// `None` where the mesh has another number of triangles than the tree has primitives.
     pub fn effective_primitive_overlap(&self, mesh: &TriangleMesh) -> Option<f64> {
@@ -72,8 +73,8 @@ impl FlatBvh {
 }
 
 impl WideMesh {
-    /// How good the tree is, as far as its boxes tell. A node costs 1, and a leaf what its size costs where the build weighs it.
-    /// Linear in the number of nodes.
+    /// How good the tree is, as far as its boxes tell. A node costs 1, and a leaf what its size costs where the build
+    /// weighs it. Linear in the number of nodes.
     pub fn quality(&self) -> TreeQuality {
         self.boxes().quality()
     }
@@ -112,7 +113,8 @@ mod tests {
         let quality = bvh.quality();
         assert_eq!(quality.leaf_histogram, [0, 4]);
         assert_eq!(quality.overlap, 0.0);
-        // Flat boxes of height 1, and widths 7 of the root, 3 of two nodes, 1 of four leaves; nearly, since they are padded.
+        // Flat boxes of height 1, and widths 7 of the root, 3 of two nodes, 1 of four leaves; nearly, since they are
+        // padded.
         let expected = 0.5 * (7.0 + 2.0 * 3.0) / 7.0 + 4.0 / 7.0;
         assert!((quality.sah_cost - expected).abs() < 1e-3, "{quality:?}");
         assert_eq!(bvh.effective_primitive_overlap(&apart), Some(0.0));
@@ -122,8 +124,8 @@ mod tests {
         let wide = row(2, 3.0);
         let bvh = tree(&wide, &config);
         let overlap = bvh.effective_primitive_overlap(&wide).expect("as many");
-        // Of the first triangle, the tip right of x = 2, of area 1/2, is in the other's leaf; of the second the part up to
-        // x = 3, (3 + 2) / 2, in the first one's; of 2 · 9/2 in all.
+        // Of the first triangle, the tip right of x = 2, of area 1/2, is in the other's leaf; of the second the part up
+        // to x = 3, (3 + 2) / 2, in the first one's; of 2 · 9/2 in all.
         assert!((overlap - (0.5 + 2.5) / 9.0).abs() < 1e-4, "{overlap}");
         assert!((bvh.quality().overlap - 1.0 / 5.0).abs() < 1e-3, "{:?}", bvh.quality());
     }

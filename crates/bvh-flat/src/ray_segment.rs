@@ -2,9 +2,9 @@
 
 use bytemuck::{Pod, Zeroable};
 
-/// A ray and the interval that is asked of it, in 32 bytes: the record of `.rays` files. Any bits may stand in it; a ray
-/// that is not valid (see [`TraversalRay::new`](geometry::TraversalRay::new)) hits nothing, nor does one whose interval
-/// is not (see [`Interval::new`](geometry::Interval::new)). It has no time: a mesh does not move.
+/// A ray and the interval that is asked of it, in 32 bytes: the record of `.rays` files. Any bits may stand in it; a
+/// ray that is not valid (see [`TraversalRay::new`](geometry::TraversalRay::new)) hits nothing, nor does one whose
+/// interval is not (see [`Interval::new`](geometry::Interval::new)). It has no time: a mesh does not move.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct RaySegment {

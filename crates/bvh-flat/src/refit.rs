@@ -23,8 +23,8 @@ pub enum RefitError {
     /// Leaves have parts of primitives, as the builder cut them: those of others are not known.
     #[error("space was split: build a tree anew, or without spatial splits")]
     Split,
-    /// A primitive became active (its bounds were not [valid](Bounds3::is_valid), and are now), and no leaf has it; or it became
-    /// inactive, and a leaf has it.
+    /// A primitive became active (its bounds were not [valid](Bounds3::is_valid), and are now), and no leaf has it; or
+    /// it became inactive, and a leaf has it.
     #[error("primitive {primitive} became active or inactive: build a tree anew")]
     Activity {
         /// The first such primitive.
@@ -33,12 +33,13 @@ pub enum RefitError {
 }
 
 impl FlatBvh {
-    /// Adapts the boxes to primitives that moved; the tree stays the same otherwise. Linear in the number of nodes, in place, on
-    /// all threads of the current rayon pool with the feature `parallel`, and with the same result on any number.
+    /// Adapts the boxes to primitives that moved; the tree stays the same otherwise. Linear in the number of nodes, in
+    /// place, on all threads of the current rayon pool with the feature `parallel`, and with the same result on any
+    /// number.
     ///
-    /// The result is the cost of the new tree by the surface area heuristic as a part of that of the old one, with costs of
-    /// 1/2 for a node and 1 for a primitive: where it gets large (2, say), rays would gain by a new build. 1 where either
-    /// tree has no area.
+    /// The result is the cost of the new tree by the surface area heuristic as a part of that of the old one, with
+    /// costs of 1/2 for a node and 1 for a primitive: where it gets large (2, say), rays would gain by a new build. 1
+    /// where either tree has no area.
     ///
     /// # Errors
     /// [`RefitError`], and the tree is as it was.
@@ -64,8 +65,8 @@ impl FlatBvh {
     }
 }
 
-/// Adapts the subtree of `nodes`, which begin at `first` in the tree, where `leaf` has the bounds of a leaf's range: the costs
-/// before and after, times the area of the root.
+/// Adapts the subtree of `nodes`, which begin at `first` in the tree, where `leaf` has the bounds of a leaf's range:
+/// the costs before and after, times the area of the root.
 fn subtree(nodes: &mut [LinearBvhNode], first: usize, leaf: &(impl Fn(Range<usize>) -> Bounds3 + Sync)) -> [f64; 2] {
     /// Up to so many nodes are adapted by one thread.
     const SEQUENTIAL: usize = 1 << 13;

@@ -9,8 +9,8 @@ use crate::stack::Stack;
 
 /// The three queries, for whoever stores the primitives: `leaf` is given a range of the primitive order and does with
 /// its primitives what the query says. A node is passed by only where the ray enters its box beyond `t_max`, so that a
-/// hit at exactly the `t` of the closest so far is still found, and the smaller primitive wins whatever the tree. The box
-/// test is that of `K`: [`Watertight`](geometry::Watertight), unless the loss of another is to be shown.
+/// hit at exactly the `t` of the closest so far is still found, and the smaller primitive wins whatever the tree. The
+/// box test is that of `K`: [`Watertight`](geometry::Watertight), unless the loss of another is to be shown.
 impl FlatBvh {
     /// The closest hit. `leaf` answers with the closest of its range in the interval.
     #[inline]
@@ -48,8 +48,8 @@ impl FlatBvh {
         .is_break()
     }
 
-    /// Has `leaf` tell `visitor` of all hits of each range that the ray comes to, nearest first as far as the boxes tell,
-    /// and then tells it what that cost.
+    /// Has `leaf` tell `visitor` of all hits of each range that the ray comes to, nearest first as far as the boxes
+    /// tell, and then tells it what that cost.
     pub fn visit_hits<K: Kernels>(
         &self,
         ray: &TraversalRay,

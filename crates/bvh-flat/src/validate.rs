@@ -148,8 +148,8 @@ pub(crate) fn validate(
     validate_order(order, primitive_count, extra_references)
 }
 
-/// Each primitive at most once, but for so many times: one bit for each. Where few have a place in the order, that could be
-/// much memory for little, and a copy of the order is sorted instead.
+/// Each primitive at most once, but for so many times: one bit for each. Where few have a place in the order, that
+/// could be much memory for little, and a copy of the order is sorted instead.
 fn validate_order(order: &[u32], primitive_count: u32, mut extra_references: u32) -> Result<(), InvalidBvh> {
     let largest = order.iter().copied().max().map_or(0, |p| p as usize + 1);
     let refused = |place: usize| InvalidBvh::Order { place, primitive: order[place], primitive_count };

@@ -32,13 +32,13 @@ use crate::{MeshBvh, RaySegment, RefitError};
 #[cfg(feature = "parallel")]
 const PARALLEL_CHUNK: usize = 4096;
 
-/// A triangle mesh with a wide tree over its triangles: nodes of eight children and leaves of up to eight triangles, each
-/// tested at once. Its answers are those of [`ExactMesh`](crate::ExactMesh), bit for bit, on every [`SimdWidth`].
+/// A triangle mesh with a wide tree over its triangles: nodes of eight children and leaves of up to eight triangles,
+/// each tested at once. Its answers are those of [`ExactMesh`](crate::ExactMesh), bit for bit, on every [`SimdWidth`].
 ///
 /// *How.* Eight boxes or triangles are tested in f32 with bounds on every error, so that nothing is lost. What f32 leaves
-/// open (a ray at an edge, two hits whose t are too close) is decided by an [`ExactRay`](geometry::exact::ExactRay), and
-/// the values of the hit that is reported are computed by one. Since every decision is that of real arithmetic, it cannot
-/// depend on a tree, a layout or the width of registers.
+/// open (a ray at an edge, two hits whose t are too close) is decided by an [`ExactRay`](geometry::exact::ExactRay),
+/// and the values of the hit that is reported are computed by one. Since every decision is that of real arithmetic, it
+/// cannot depend on a tree, a layout or the width of registers.
 #[derive(Clone, Debug)]
 pub struct WideMesh {
     pub(crate) triangles: Arc<Triangles>,
@@ -52,8 +52,8 @@ pub enum WideLayout {
     /// Nodes of 256 bytes, and in the leaves the vertices, as they are tested: about 58 bytes a triangle. The fastest.
     #[default]
     Blocks,
-    /// Nodes of 128 bytes, whose boxes are quantised outward, and in the leaves numbers of triangles, whose vertices are
-    /// read from the mesh: about 20 bytes a triangle. For scenes that should fit.
+    /// Nodes of 128 bytes, whose boxes are quantised outward, and in the leaves numbers of triangles, whose vertices
+    /// are read from the mesh: about 20 bytes a triangle. For scenes that should fit.
     Compact,
 }
 
@@ -70,10 +70,10 @@ impl WideLayout {
     }
 }
 
-/// How the binary tree is built that is to be collapsed. As many primitives as the configuration allows are never divided:
-/// testing them costs a leaf next to nothing, and the collapse merges leaves where that is cheaper. But where subtrees are
-/// moved, of whole leaves, these are made by what they cost in a wide tree. A node with eight children costs 1, so a binary
-/// one about a third of that.
+/// How the binary tree is built that is to be collapsed. As many primitives as the configuration allows are never
+/// divided: testing them costs a leaf next to nothing, and the collapse merges leaves where that is cheaper. But where
+/// subtrees are moved, of whole leaves, these are made by what they cost in a wide tree. A node with eight children
+/// costs 1, so a binary one about a third of that.
 ///
 /// Moving the primitives one by one makes no better trees, takes a third of the build's time more, and leaves smaller
 /// leaves behind: kitchen has 58.2 bytes a triangle instead of 55.8.
@@ -92,8 +92,8 @@ fn binary_config(config: &BuildConfig) -> BuildConfig {
 }
 
 impl WideMesh {
-    /// Builds a tree over `mesh`. Sets of up to `config.max_primitives_in_leaf` triangles are not divided any more; leaves of up
-    /// to eight are made of them by what these cost in a wide tree, whatever the costs of `config` are.
+    /// Builds a tree over `mesh`. Sets of up to `config.max_primitives_in_leaf` triangles are not divided any more;
+    /// leaves of up to eight are made of them by what these cost in a wide tree, whatever the costs of `config` are.
     ///
     /// # Errors
     /// [`BuildError`] for a configuration that the builder refuses, or a mesh whose tree would be larger than 16 GiB.
@@ -149,17 +149,17 @@ impl WideMesh {
         Ok(Self { triangles, layout, width: SimdWidth::default() })
     }
 
-    /// Adapts the tree to another mesh of as many triangles, whose places changed: the same triangles stay in the same leaves,
-    /// and answers are those of `mesh`. In place, on all threads of the current rayon pool with the feature `parallel`, and
-    /// with the same result on any number; linear in the number of triangles. Where a clone shares the tree, or it is mapped
-    /// from a file, a copy is adapted.
+    /// Adapts the tree to another mesh of as many triangles, whose places changed: the same triangles stay in the same
+    /// leaves, and answers are those of `mesh`. In place, on all threads of the current rayon pool with the feature
+    /// `parallel`, and with the same result on any number; linear in the number of triangles. Where a clone shares the
+    /// tree, or it is mapped from a file, a copy is adapted.
     ///
-    /// The result is the cost of the new tree by the surface area heuristic as a part of that of the old one: where it gets
-    /// large (2, say), rays would gain by a new build. 1 where either has no area.
+    /// The result is the cost of the new tree by the surface area heuristic as a part of that of the old one: where it
+    /// gets large (2, say), rays would gain by a new build. 1 where either has no area.
     ///
     /// # Errors
-    /// [`RefitError`], and the tree is as it was: for another number of triangles, with spatial splits, and where a triangle
-    /// became active or inactive.
+    /// [`RefitError`], and the tree is as it was: for another number of triangles, with spatial splits, and where a
+    /// triangle became active or inactive.
     pub fn refit(&mut self, mesh: impl Into<Arc<TriangleMesh>>) -> Result<f64, RefitError> {
         let mesh = mesh.into();
         let Triangles { mesh: old, tree } = &*self.triangles;
@@ -224,12 +224,13 @@ impl WideMesh {
         }
     }
 
-    /// The closest hit of each ray, as [`intersect`](Shape::intersect) finds it, bit for bit; as many as there are of both.
+    /// The closest hit of each ray, as [`intersect`](Shape::intersect) finds it, bit for bit; as many as there are of
+    /// both.
     ///
-    /// Several times as fast as a call for each where neighbours in the slice go the same way, as those of a tile of 8 × 8 or
-    /// 16 × 4 pixels do: they then go through the tree together. And faster where the tree is larger than the caches and
-    /// the rays go apart: several are then on their way at once, and while one waits for the memory, others go on. Which
-    /// way is taken depends on the rays and the tree, never on time.
+    /// Several times as fast as a call for each where neighbours in the slice go the same way, as those of a tile of 8
+    /// × 8 or 16 × 4 pixels do: they then go through the tree together. And faster where the tree is larger than the
+    /// caches and the rays go apart: several are then on their way at once, and while one waits for the memory, others
+    /// go on. Which way is taken depends on the rays and the tree, never on time.
     pub fn intersect_many(&self, rays: &[RaySegment], hits: &mut [Option<Hit>]) {
         match self.layout {
             WideLayout::Blocks => self.many::<ClosestQuery<Blocks>>(rays, hits),

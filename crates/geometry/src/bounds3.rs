@@ -103,8 +103,8 @@ impl Bounds3 {
         }
     }
 
-    /// Where `p` lies relative to the corners: 0 at `min`, 1 at `max`, beyond these outside of the box. 0 on an axis without
-    /// extent; NaN elsewhere where `p` is.
+    /// Where `p` lies relative to the corners: 0 at `min`, 1 at `max`, beyond these outside of the box. 0 on an axis
+    /// without extent; NaN elsewhere where `p` is.
     pub fn offset(&self, p: Vec3) -> Vec3 {
         let d = self.diagonal();
         let o = p - self.min;

@@ -4,14 +4,14 @@ use glam::{DVec3, Vec3};
 
 use crate::{Bounds3, round_down, round_up, triangle_bounds};
 
-/// Bounds of the part of a triangle that is in `bounds`: every point of the closed triangle that is in the closed box is in
-/// the result, which lies in the box and in [the triangle's own](triangle_bounds). Empty where that cannot hold any; in
-/// particular where either is not [valid](Bounds3::is_valid).
+/// Bounds of the part of a triangle that is in `bounds`: every point of the closed triangle that is in the closed box
+/// is in the result, which lies in the box and in [the triangle's own](triangle_bounds). Empty where that cannot hold
+/// any; in particular where either is not [valid](Bounds3::is_valid).
 ///
-/// On each axis on which the box cuts the triangle, the bounds of the part between the two planes are taken, and the result
-/// is what is common to them. That may be more than the bounds of the part that is between all six planes. Clipping a
-/// polygon by one plane after the other instead gives tighter boxes where planes of different axes meet in the triangle,
-/// which made no better trees (sponza, kitchen, black-forest: 0.1 % in expected steps).
+/// On each axis on which the box cuts the triangle, the bounds of the part between the two planes are taken, and the
+/// result is what is common to them. That may be more than the bounds of the part that is between all six planes.
+/// Clipping a polygon by one plane after the other instead gives tighter boxes where planes of different axes meet in
+/// the triangle, which made no better trees (sponza, kitchen, black-forest: 0.1 % in expected steps).
 pub fn clipped_triangle_bounds(vertices: &[Vec3; 3], bounds: &Bounds3) -> Bounds3 {
     let own = triangle_bounds(vertices);
     if !own.is_valid() || !bounds.is_valid() {
@@ -31,10 +31,10 @@ pub fn clipped_triangle_bounds(vertices: &[Vec3; 3], bounds: &Bounds3) -> Bounds
 
 /// Bounds of the part of a triangle with coordinates from `low` to `high` on an axis.
 ///
-/// That part is a polygon, whose vertices are those of the triangle that lie between the planes, and the points where the
-/// triangle's edges meet either plane. Such a point is a + s (b − a), where s in [0, 1] is a quotient of two differences:
-/// with u = 2⁻⁵³ its relative error is below 4 u; and with coordinates below M, b − a is below 2 M, so that the product and
-/// the sum make the error less than 12 u M. The slack is 32 u M.
+/// That part is a polygon, whose vertices are those of the triangle that lie between the planes, and the points where
+/// the triangle's edges meet either plane. Such a point is a + s (b − a), where s in [0, 1] is a quotient of two
+/// differences: with u = 2⁻⁵³ its relative error is below 4 u; and with coordinates below M, b − a is below 2 M, so
+/// that the product and the sum make the error less than 12 u M. The slack is 32 u M.
 fn bounds_between(vertices: &[Vec3; 3], axis: usize, [low, high]: [f64; 2]) -> Bounds3 {
     let vertices = vertices.map(Vec3::as_dvec3);
     let largest = vertices.iter().fold(0.0, |largest: f64, v| largest.max(v.abs().max_element()));

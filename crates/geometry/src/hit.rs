@@ -11,8 +11,8 @@ use crate::Interval;
 pub struct Hit {
     /// The ray's parameter, in multiples of its direction's length.
     pub t: f32,
-    /// First surface parameter: a triangle's barycentric of its second vertex, in [0, 1]; 0 for a sphere. What a renderer
-    /// has for each vertex (shading normals, colours) is (1 − u − v) a + u b + v c.
+    /// First surface parameter: a triangle's barycentric of its second vertex, in [0, 1]; 0 for a sphere. What a
+    /// renderer has for each vertex (shading normals, colours) is (1 − u − v) a + u b + v c.
     pub u: f32,
     /// Second surface parameter: a triangle's barycentric of its third vertex, in [0, 1]; 0 for a sphere.
     pub v: f32,

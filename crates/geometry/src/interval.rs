@@ -17,8 +17,8 @@ impl Interval {
     /// No `t` at all.
     pub const EMPTY: Self = Self { t_min: 0.0, t_max: 0.0 };
 
-    /// `t_min < t < t_max`; [`EMPTY`](Self::EMPTY) where `t_min` is negative, an end is NaN, or `t_min >= t_max`. A `t_min`
-    /// of −0.0 is 0.0.
+    /// `t_min < t < t_max`; [`EMPTY`](Self::EMPTY) where `t_min` is negative, an end is NaN, or `t_min >= t_max`. A
+    /// `t_min` of −0.0 is 0.0.
     pub fn new(t_min: f32, t_max: f32) -> Self {
         // The sum with 0 makes −0 a 0, so that whoever looks at bits finds no sign.
         if t_min >= 0.0 && t_min < t_max { Self { t_min: t_min + 0.0, t_max } } else { Self::EMPTY }

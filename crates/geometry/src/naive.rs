@@ -26,9 +26,9 @@ pub fn enter_unpadded(ray: &TraversalRay, bounds: &Bounds3, interval: Interval) 
     (entry <= exit).then_some(entry)
 }
 
-/// Möller and Trumbore 1997, *Fast, Minimum Storage Ray/Triangle Intersection*, in f32, both sides hit, without an epsilon
-/// on the determinant. Neighbours compute a shared edge from different vertices, so rays at edges and vertices may pass
-/// between them.
+/// Möller and Trumbore 1997, *Fast, Minimum Storage Ray/Triangle Intersection*, in f32, both sides hit, without an
+/// epsilon on the determinant. Neighbours compute a shared edge from different vertices, so rays at edges and vertices
+/// may pass between them.
 #[inline]
 pub fn moller_trumbore(ray: &TraversalRay, vertices: &[Vec3; 3], interval: Interval) -> Option<TriangleHit> {
     let (o, d) = (ray.ray().origin, ray.ray().direction);

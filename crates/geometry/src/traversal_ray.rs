@@ -25,13 +25,13 @@ pub struct TraversalRay {
     is_rounded: bool,
 }
 
-/// Woop, Benthin and Wald 2013, *Watertight Ray/Triangle Intersection*, JCGT 2(1): the axes kx, ky, kz with kz that of the
-/// largest direction component, and the shear (Sx, Sy) that makes the ray the kz axis. kx and ky are not exchanged for a
-/// negative direction, since both windings are hit.
+/// Woop, Benthin and Wald 2013, *Watertight Ray/Triangle Intersection*, JCGT 2(1): the axes kx, ky, kz with kz that of
+/// the largest direction component, and the shear (Sx, Sy) that makes the ray the kz axis. kx and ky are not exchanged
+/// for a negative direction, since both windings are hit.
 ///
-/// The largest component is that of the f64 direction, and of the f32 one too, as rounding keeps the order. The other way
-/// round would not do: of a direction near 2⁻¹⁴⁹ f32 may hold one number for components of which one is three times the
-/// other.
+/// The largest component is that of the f64 direction, and of the f32 one too, as rounding keeps the order. The other
+/// way round would not do: of a direction near 2⁻¹⁴⁹ f32 may hold one number for components of which one is three times
+/// the other.
 #[derive(Clone, Copy, Debug)]
 pub struct Shear {
     /// The axis that x is taken from.
@@ -52,8 +52,9 @@ impl TraversalRay {
     /// How far the reciprocals of the box test are widened: 6 ulp, 6 · 2⁻²³ relative.
     ///
     /// The box test has at most 4 roundings a plane (subtraction, reciprocal, widening, product): 4 u with u = 2⁻²⁴. A
-    /// sheared vertex of the triangle test is displaced sideways by at most about 5 u of its distance. 9 u < 12 u = 6 ulp.
-    /// The padding sits in the reciprocals, so it costs nothing per node (Ize 2013, *Robust BVH Ray Traversal*, JCGT 2(2)).
+    /// sheared vertex of the triangle test is displaced sideways by at most about 5 u of its distance. 9 u < 12 u = 6
+    /// ulp. The padding sits in the reciprocals, so it costs nothing per node (Ize 2013, *Robust BVH Ray Traversal*,
+    /// JCGT 2(2)).
     pub const PADDING: f32 = 6.0 * f32::EPSILON;
 
     /// Prepares a ray; `None` where a component of origin or direction or the time is not finite, or the direction is
@@ -199,8 +200,8 @@ fn is_valid(origin: Vec4, direction: Vec4) -> bool {
     origin.is_finite() && direction.is_finite() && direction != Vec4::W
 }
 
-/// The axis of the largest of the first three numbers. Without branches, which random directions would make the processor
-/// guess wrong.
+/// The axis of the largest of the first three numbers. Without branches, which random directions would make the
+/// processor guess wrong.
 #[inline]
 fn largest_component<T: PartialOrd>([x, y, z, _]: [T; 4]) -> usize {
     let of_xy = if y > x { (y, 1) } else { (x, 0) };

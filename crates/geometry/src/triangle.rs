@@ -47,10 +47,10 @@ pub fn intersect_triangle(ray: &TraversalRay, vertices: &[Vec3; 3], interval: In
 
 /// The box of a triangle, grown by 2⁻²¹ of its largest extent: with it, no box test loses a hit of the triangle test.
 ///
-/// A vertex is displaced by the roundings of its sheared coordinates, by at most 2u |pₓ| + 4u |Sₓ p_z| with u = 2⁻²⁴ and p
-/// its position relative to the origin. Relative to the hit h, |pₓ| <= |hₓ| + L and |Sₓ p_z| <= |hₓ| + L for the largest
-/// extent L, so the triangle may seem hit up to 6u |hₓ| + 6u L beside itself. The first part is in the ray's padding; the
-/// second, which a far vertex of a long triangle brings, must be in the box: 8u L, rounded outward.
+/// A vertex is displaced by the roundings of its sheared coordinates, by at most 2u |pₓ| + 4u |Sₓ p_z| with u = 2⁻²⁴
+/// and p its position relative to the origin. Relative to the hit h, |pₓ| <= |hₓ| + L and |Sₓ p_z| <= |hₓ| + L for the
+/// largest extent L, so the triangle may seem hit up to 6u |hₓ| + 6u L beside itself. The first part is in the ray's
+/// padding; the second, which a far vertex of a long triangle brings, must be in the box: 8u L, rounded outward.
 ///
 /// Not [valid](Bounds3::is_valid) where a coordinate is NaN, infinite or beyond [`MAX_COORDINATE`].
 #[inline(always)] // A call would write the vertices to memory and read them back in other pieces: a third of the time.
@@ -146,9 +146,9 @@ impl Weights {
 /// The parameter at which the f64 ray meets the triangle's plane, kept within the vertices' depths `z` along the ray's
 /// largest component.
 ///
-/// By the plane's equation and not by the weighted depths: for an origin in the plane of an axis-parallel triangle it is
-/// exactly 0, where the weighted sum left 10⁻¹⁷ of either sign (of rays spawned from such a floor 2.7 % hit it again).
-/// `None` for a triangle without area, which the rounded shear may have given some.
+/// By the plane's equation and not by the weighted depths: for an origin in the plane of an axis-parallel triangle it
+/// is exactly 0, where the weighted sum left 10⁻¹⁷ of either sign (of rays spawned from such a floor 2.7 % hit it
+/// again). `None` for a triangle without area, which the rounded shear may have given some.
 #[inline]
 fn plane_t(ray: &TraversalRay, vertices: &[Vec3; 3], z: [f64; 3]) -> Option<f64> {
     let v = vertices.map(|v| v.as_dvec3());
@@ -184,9 +184,9 @@ fn weights_within(ray: &TraversalRay, vertices: &[Vec3; 3], bounds: &Bounds3) ->
 /// The point where `ray` meets the plane of the triangle, clamped into the triangle.
 ///
 /// `p_error` bounds the distance from the exact intersection of the f64 ray with the plane, for each axis: the weights'
-/// error times the triangle's extent on that axis (the weights' errors add up to zero), and the roundings of the sum. Where
-/// f64 says little, of a triangle that is nearly edge-on, the weights are exact ones, rounded.
-/// `uvs` are the vertices' texture coordinates. The normal of a degenerate triangle, which no ray hits, is zero.
+/// error times the triangle's extent on that axis (the weights' errors add up to zero), and the roundings of the sum.
+/// Where f64 says little, of a triangle that is nearly edge-on, the weights are exact ones, rounded. `uvs` are the
+/// vertices' texture coordinates. The normal of a degenerate triangle, which no ray hits, is zero.
 pub fn triangle_surface_point(ray: &TraversalRay, vertices: &[Vec3; 3], uvs: &[Vec2; 3]) -> SurfacePoint {
     let v = vertices.map(|v| v.as_dvec3());
     let n = (v[1] - v[0]).cross(v[2] - v[0]).normalize_or_zero();

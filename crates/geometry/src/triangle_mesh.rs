@@ -106,7 +106,8 @@ impl TriangleMesh {
         Ok(Self { uvs: Some(uvs), ..self })
     }
 
-    /// The same triangles and texture coordinates where the vertices are elsewhere: the next frame of a mesh that deforms.
+    /// The same triangles and texture coordinates where the vertices are elsewhere: the next frame of a mesh that
+    /// deforms.
     ///
     /// # Errors
     /// [`MeshError::PositionCount`] where their number is not that of the vertices.
@@ -153,7 +154,8 @@ impl TriangleMesh {
         self.triangles[i].map(|v| self.positions[v as usize])
     }
 
-    /// The [box](crate::triangle_bounds) of triangle `i`, not [valid](Bounds3::is_valid) where the triangle is inactive.
+    /// The [box](crate::triangle_bounds) of triangle `i`, not [valid](Bounds3::is_valid) where the triangle is
+    /// inactive.
     ///
     /// # Panics
     /// Where `i` is not below [`len`](Self::len).

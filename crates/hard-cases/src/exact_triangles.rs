@@ -8,8 +8,8 @@ use geometry::{
     Bounds3, Hit, HitVisitor, Interval, Shape, SurfacePoint, TraversalRay, TriangleHit, TriangleMesh, Visit, Work,
 };
 
-/// What exact meshes with a tree must answer like: every triangle in turn. The closest hit has the least exact t, and of
-/// equal ones the smallest index.
+/// What exact meshes with a tree must answer like: every triangle in turn. The closest hit has the least exact t, and
+/// of equal ones the smallest index.
 pub(crate) struct ExactTriangles {
     mesh: Arc<TriangleMesh>,
     /// Those that can be hit at all.

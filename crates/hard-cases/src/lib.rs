@@ -2,9 +2,10 @@
 //! answer and the condition of passing. Unpublished.
 //!
 //! A case has an id: a letter for what it is hard on (**B**uild, boxe**S** and traversal, **T**riangles, s**P**heres,
-//! **I**nstances, **A**nimation, spawned **R**ays, cache files: **X**) and a number. It is run on a [`Subject`], the way in which a mesh is
-//! made to answer rays: the library's own at first, and in tests a deliberately damaged one, which must fail. The
-//! library's own is exact, and no case excuses it; its binary tree with watertight kernels is kept beside it.
+//! **I**nstances, **A**nimation, spawned **R**ays, cache files: **X**) and a number. It is run on a [`Subject`], the
+//! way in which a mesh is made to answer rays: the library's own at first, and in tests a deliberately damaged one,
+//! which must fail. The library's own is exact, and no case excuses it; its binary tree with watertight kernels is kept
+//! beside it.
 
 mod aim;
 mod animation;
@@ -70,12 +71,12 @@ pub struct Run<'a> {
     pub progress: &'a (dyn Fn(f64) + Sync),
 }
 
-/// The cases that the library does not pass yet, with what is known of the reason. A test demands that it fails them, so
-/// that none stays here by mistake.
+/// The cases that the library does not pass yet, with what is known of the reason. A test demands that it fails them,
+/// so that none stays here by mistake.
 pub const OPEN: [(&str, &str); 0] = [];
 
-/// The cases that [`BinaryWatertight`] does not pass, with the reason. A test demands that it fails them, and passes the
-/// others.
+/// The cases that [`BinaryWatertight`] does not pass, with the reason. A test demands that it fails them, and passes
+/// the others.
 pub const BINARY_OPEN: [(&str, &str); 4] = [
     ("T06", "the f32 shear moves far vertices of needles that reach behind the origin by more than their boxes grow"),
     ("T14", "of an origin exactly in a slanted plane, t is 10^-16 instead of 0"),

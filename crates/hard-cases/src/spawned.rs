@@ -1,7 +1,8 @@
 //! R: rays that leave a surface where another ray met it. Cases of the study of accuracy, under its numbers.
 //!
 //! Metric M6 for all of them: no spawned ray hits a triangle that does not lie ahead of the exact hit point (acne), the
-//! new origin is at most 4 ulp from there (99 %), and surfaces that it jumped over are counted.
+//! new origin is at most 4 ulp from there (99 %); surfaces that it jumped over, and others that it meets edge-on
+//! further away, are counted.
 
 mod departure;
 mod surfaces;

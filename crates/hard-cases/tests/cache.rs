@@ -1,5 +1,5 @@
-//! The loader of cache files: what the fuzzer found, and what hostile files make it allocate. One test, since it looks at the
-//! memory of the whole process.
+//! The loader of cache files: what the fuzzer found, and what hostile files make it allocate. One test, since it looks
+//! at the memory of the whole process.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -54,7 +54,8 @@ fn what_the_fuzzer_found_and_what_hostile_counts_allocate() {
         let before = peak();
         for file in &files {
             assert!(WideMesh::from_bytes(file, Arc::clone(&mesh), None).is_err(), "{name}");
-            // A binary tree may be over any number of boxes, most of which cannot be hit; it is then no tree over these.
+            // A binary tree may be over any number of boxes, most of which cannot be hit; it is then no tree over
+            // these.
             let binary = FlatBvh::from_bytes(file, key, None);
             assert!(
                 binary.is_err() || binary.is_ok_and(|tree| tree.primitive_count() as usize != mesh.len()),

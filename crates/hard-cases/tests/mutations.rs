@@ -1,6 +1,6 @@
 //! The catalogue is worth what it catches: kernels that are deliberately damaged, each in one way that ray tracers are,
-//! must fail. The library passes every case, and its binary tree with watertight kernels, which most of them are made of,
-//! those that are named here: the crate's own tests say so.
+//! must fail. The library passes every case, and its binary tree with watertight kernels, which most of them are made
+//! of, those that are named here: the crate's own tests say so.
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -164,7 +164,8 @@ fn rejected_by_delta_t(ray: &TraversalRay, v: &[Vec3; 3], interval: Interval) ->
     (hit.t > delta_t).then_some(hit)
 }
 
-/// Embree's `triangle_intersector_pluecker.h`: edge functions relative to the origin, accepted within one ulp of their sum.
+/// Embree's `triangle_intersector_pluecker.h`: edge functions relative to the origin, accepted within one ulp of their
+/// sum.
 fn tolerant_pluecker(ray: &TraversalRay, v: &[Vec3; 3], interval: Interval) -> Option<TriangleHit> {
     let (o, d) = (ray.ray().origin, ray.ray().direction);
     let [v0, v1, v2] = v.map(|v| v - o);
@@ -247,8 +248,8 @@ impl<S: Shape> Shape for WithoutBounds<S> {
     }
 }
 
-/// The filter of eight triangles, for one: edge functions of vertices sheared in f32, against a bound on their error. A hit
-/// that it rules out is lost.
+/// The filter of eight triangles, for one: edge functions of vertices sheared in f32, against a bound on their error. A
+/// hit that it rules out is lost.
 struct Filtered {
     wide: WideMesh,
     /// The bound, of the triangle's largest extent D and the depth |A_z| of its first vertex.

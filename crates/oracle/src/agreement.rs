@@ -49,7 +49,8 @@ impl Agreement {
 pub struct PointAgreement {
     /// Whether `|pᵢ − pᵢ*| <= p_errorᵢ` on every axis, decided exactly (metric M4, soundness).
     pub is_bounded: bool,
-    /// The largest `|pᵢ − pᵢ*|` in units of the spacing of f32 at the largest coordinate of the exact point (metric M3).
+    /// The largest `|pᵢ − pᵢ*|` in units of the spacing of f32 at the largest coordinate of the exact point (metric
+    /// M3).
     pub error: f64,
     /// The largest `p_errorᵢ` in the same units.
     pub bound: f64,

@@ -184,8 +184,8 @@ mod tests {
         exit.is_none_or(|exit| entry <= exit).then_some(entry)
     }
 
-    /// Rays aimed at corners and edges of boxes of every size, also along the axes: none is lost that meets the box, and
-    /// no entry is late.
+    /// Rays aimed at corners and edges of boxes of every size, also along the axes: none is lost that meets the box,
+    /// and no entry is late.
     #[test]
     fn the_box_test_never_loses_a_box() {
         let mut random = Random::new(31);

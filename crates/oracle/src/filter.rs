@@ -9,8 +9,8 @@ use crate::segment::Segment;
 /// The relative error of one rounding.
 const U: f64 = f64::EPSILON / 2.0;
 
-/// What underflow can add to an error. Rounded vertices are wrong by 2⁻¹⁰⁷⁴ more, a product by 2⁻¹⁰⁷⁵, and each of these
-/// errors is multiplied by at most two factors below 2²⁰² (see [`LARGEST`]). Sums and products of three f32 never
+/// What underflow can add to an error. Rounded vertices are wrong by 2⁻¹⁰⁷⁴ more, a product by 2⁻¹⁰⁷⁵, and each of
+/// these errors is multiplied by at most two factors below 2²⁰² (see [`LARGEST`]). Sums and products of three f32 never
 /// underflow in f64, and are never smaller than 2⁻⁴⁴⁷ unless zero, so that this costs nothing.
 const TINY: f64 = 1e-180;
 
@@ -131,8 +131,8 @@ fn cross(a: &BoundedVector, b: &BoundedVector) -> BoundedVector {
     BoundedVector { value, size: DVec3::new(component(0), component(1), component(2)) }
 }
 
-/// c·d for a cross product c and an exact d: 4u inherited, one product, two sums: 7u Σ S |d| at first order. The bound is
-/// 8u, since it is itself computed with at most 6 roundings.
+/// c·d for a cross product c and an exact d: 4u inherited, one product, two sums: 7u Σ S |d| at first order. The bound
+/// is 8u, since it is itself computed with at most 6 roundings.
 fn dot_exact(c: &BoundedVector, d: DVec3) -> Bounded {
     Bounded { value: dot_values(c.value, d), error: 8.0 * U * dot_values(c.size, d.abs()) + TINY }
 }

@@ -3,7 +3,8 @@
 //! [`MeshOracle`], [`SphereOracle`] and [`OracleList`] are [`Oracle`]s: they say which primitives a ray hits in real
 //! arithmetic on the given f32 inputs, which of them share the least t, and what t is, as an [`ExactReal`] that is
 //! compared and rounded without error. A [`MeshOracle`] also says on which side of a surface a point lies. Instances
-//! are placed by an [`ExactTransform`]. [`Agreement`] and [`PointAgreement`] compare a claimed answer with the exact one.
+//! are placed by an [`ExactTransform`]. [`Agreement`] and [`PointAgreement`] compare a claimed answer with the exact
+//! one.
 //!
 //! Three number systems, each a refuge of the one before: f64 with an error bound (`filter`), which decides almost
 //! everything; integers of 128 bits on a power-of-two scale; and those of any size, where 128 bits do not do.

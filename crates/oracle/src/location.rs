@@ -35,8 +35,8 @@ pub struct SurfaceCrossing {
 
 impl MeshOracle {
     /// On which side of the plane through a triangle `p` lies, exactly: `Greater` where its normal points to (the side
-    /// from which its vertices run counter-clockwise), `Equal` in the plane, and for every `p` where the triangle has no
-    /// area. `None` where there is no such triangle or a coordinate is not finite.
+    /// from which its vertices run counter-clockwise), `Equal` in the plane, and for every `p` where the triangle has
+    /// no area. `None` where there is no such triangle or a coordinate is not finite.
     pub fn side_of_plane(&self, triangle: u32, p: Vec3, tally: &mut Tally) -> Option<Ordering> {
         let vertices = self.mesh().triangles().get(triangle as usize)?.map(|v| self.mesh().positions()[v as usize]);
         if !p.is_finite() || !vertices.iter().all(|v| v.is_finite()) {
@@ -75,8 +75,8 @@ impl MeshOracle {
         crossings
     }
 
-    /// Whether `p` lies within the mesh, by the parity of the crossings of a ray from it: for a closed mesh the same for
-    /// every ray. A point that is not finite is outside.
+    /// Whether `p` lies within the mesh, by the parity of the crossings of a ray from it: for a closed mesh the same
+    /// for every ray. A point that is not finite is outside.
     pub fn locate(&self, p: Vec3, tally: &mut Tally) -> PointLocation {
         // Any direction does; this one is seldom parallel to anything.
         self.locate_along(p, Vec3::new(0.754_877_7, 0.569_840_3, 0.324_717_9), tally)
@@ -140,8 +140,8 @@ mod tests {
         assert_eq!(cube.locate(Vec3::NAN, &mut Tally::default()), PointLocation::Outside);
     }
 
-    /// In a star-shaped mesh, the inside is what can be reached from the middle without a crossing; all directions, also
-    /// those through vertices, agree.
+    /// In a star-shaped mesh, the inside is what can be reached from the middle without a crossing; all directions,
+    /// also those through vertices, agree.
     #[test]
     fn points_of_a_star() {
         let mut random = Random::new(23);

@@ -72,8 +72,8 @@ pub fn point_at(ray: &Ray, t: &ExactReal) -> [ExactReal; 3] {
 /// functions are all >= 0 or all <= 0 and the ray is not parallel to its plane, so that neither a coplanar ray nor a
 /// triangle without area ever gives a hit. A sphere is its surface; a tangent ray hits it once. Of the interval both
 /// ends are excluded, exactly. A ray with a component or a time that is not finite, or with a zero direction, hits
-/// nothing. What has a coordinate beyond [`MAX_COORDINATE`](geometry::MAX_COORDINATE) in its own space, NaN and infinity
-/// included, is inactive: it keeps its index and is never hit.
+/// nothing. What has a coordinate beyond [`MAX_COORDINATE`](geometry::MAX_COORDINATE) in its own space, NaN and
+/// infinity included, is inactive: it keeps its index and is never hit.
 pub trait Oracle: Send + Sync {
     /// How many primitives there are: hits name them `0 .. count`.
     fn primitive_count(&self) -> u64;

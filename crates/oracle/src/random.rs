@@ -112,8 +112,8 @@ pub(crate) fn hard_case(random: &mut Random, i: usize) -> (Ray, Interval, [Vec3;
     (Ray::new(origin, direction), interval, v)
 }
 
-/// A closed star-shaped mesh around the origin with `2 n (n − 1)` triangles and radii in [1, 1 + spikes]; its outside is
-/// where normals point. Coordinates are multiples of 1/8 where `is_lattice`.
+/// A closed star-shaped mesh around the origin with `2 n (n − 1)` triangles and radii in [1, 1 + spikes]; its outside
+/// is where normals point. Coordinates are multiples of 1/8 where `is_lattice`.
 pub(crate) fn star(random: &mut Random, n: u32, spikes: f64, is_lattice: bool) -> TriangleMesh {
     let mut point = |theta: f64, phi: f64| {
         let r = 1.0 + spikes * random.unit();

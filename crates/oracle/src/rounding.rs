@@ -23,8 +23,8 @@ impl ExactReal {
 
     /// The nearest f32, ties to even; infinite where IEEE 754 rounds to infinity.
     pub fn to_f32(&self) -> f32 {
-        // Rounded to odd first: then no tie of the second rounding is false (Boldo and Melquiond 2008, *Emulation of FMA
-        // and Correctly Rounded Sums*, IEEE Transactions on Computers 57(4)).
+        // Rounded to odd first: then no tie of the second rounding is false (Boldo and Melquiond 2008, *Emulation of
+        // FMA and Correctly Rounded Sums*, IEEE Transactions on Computers 57(4)).
         let magnitude = self.abs();
         let below = magnitude.floor_f64();
         let odd = if is_odd(below) || magnitude.cmp_f64(below).is_eq() { below } else { below.next_up() };

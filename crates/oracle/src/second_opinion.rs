@@ -1,8 +1,8 @@
 //! A second, independent implementation in tests: the oracle's own oracle.
 //!
 //! Nothing is shared but the inputs. Floats are decoded from their bits and scaled by 2¹⁴⁹ to integers; the plane is
-//! met by Cramer's rule, and barycentrics decide instead of edge functions. Instances and spheres ([`rational`]) are done
-//! in rational numbers.
+//! met by Cramer's rule, and barycentrics decide instead of edge functions. Instances and spheres ([`rational`]) are
+//! done in rational numbers.
 
 mod rational;
 
@@ -48,7 +48,8 @@ fn cramer<T: Number>(o: &[T; 3], d: &[T; 3], v: &[[T; 3]; 3]) -> [T; 4] {
     [determinant(&e1, &e2, &back), determinant(&s, &e2, &back), determinant(&e1, &s, &back), determinant(&e1, &e2, &s)]
 }
 
-/// t of the hit, from Cramer's determinants; in integers up to t, since the common divisors of rational numbers are slow.
+/// t of the hit, from Cramer's determinants; in integers up to t, since the common divisors of rational numbers are
+/// slow.
 fn hit_of_integers(determinants: [BigInt; 4], interval: Interval) -> Option<Rational> {
     let zero = BigInt::ZERO;
     let [det, u, v, t] = determinants;

@@ -42,8 +42,8 @@ impl SphereOracle {
         self.sphere.center().abs().to_array().iter().all(|&c| &Dyadic::from_f64(c.into()) + &r <= limit)
     }
 
-    /// The parameters, ascending, at which the line of the ray meets the sphere: both roots of a t² + 2 b t + c = 0 with
-    /// f = o − center, a = d·d, b = f·d, c = f·f − r².
+    /// The parameters, ascending, at which the line of the ray meets the sphere: both roots of a t² + 2 b t + c = 0
+    /// with f = o − center, a = d·d, b = f·d, c = f·f − r².
     ///
     /// For an instance the ray goes back into the sphere's space, with f, d and r multiplied by the determinant of the
     /// map, so that there is no division.

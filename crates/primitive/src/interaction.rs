@@ -56,9 +56,9 @@ impl SurfaceInteraction {
     }
 
     /// A ray from here to a place on `other`, at this time: for shadow rays to area lights, asked with
-    /// `Interval::up_to(1.0)`, within which it meets neither of the two surfaces. This is pbrt's SpawnRayTo (section 6.8.6 of
-    /// the fourth edition) without its shadow epsilon: both ends are moved, as [`spawn_ray`](Self::spawn_ray) does, and
-    /// that at `t = 1` also by the rounding of the direction, to first order in the errors.
+    /// `Interval::up_to(1.0)`, within which it meets neither of the two surfaces. This is pbrt's SpawnRayTo (section
+    /// 6.8.6 of the fourth edition) without its shadow epsilon: both ends are moved, as [`spawn_ray`](Self::spawn_ray)
+    /// does, and that at `t = 1` also by the rounding of the direction, to first order in the errors.
     pub fn spawn_ray_to(&self, other: &Self) -> Ray {
         let p_error = other.p_error().as_dvec3();
         let origin = self.p_before(other.point.p - self.point.p, self.p_error().as_dvec3());
@@ -142,7 +142,8 @@ mod tests {
         }
     }
 
-    /// Between places on two triangles in any position, far and near: by exact decisions, nothing of them is met before t = 1.
+    /// Between places on two triangles in any position, far and near: by exact decisions, nothing of them is met before
+    /// t = 1.
     #[test]
     fn rays_to_another_surface_meet_neither() {
         let mut state = 3_u64;

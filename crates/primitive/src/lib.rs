@@ -8,7 +8,8 @@
 //!
 //! Two rules of pbrt's chapter 4 hold for everything here. *Closest hit*: as closer hits are found, everything beyond
 //! the closest so far is disqualified, and of equal `t` the smaller primitive wins; the order of testing never shows.
-//! *Material*: only primitives with a material take part in `intersect` and `intersect_p`; one without delineates media.
+//! *Material*: only primitives with a material take part in `intersect` and `intersect_p`; one without delineates
+//! media.
 //!
 //! Invariants of this crate: it knows no tree, no file and no thread. Its own aggregate is the naive list.
 

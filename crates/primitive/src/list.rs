@@ -41,8 +41,8 @@ impl<P: Primitive> PrimitiveList<P> {
         self.first[index]
     }
 
-    /// The member that `hit`, which this list or a tree over it reported, belongs to: its index, and the hit as that member
-    /// reported it. Of a mesh it names the triangle.
+    /// The member that `hit`, which this list or a tree over it reported, belongs to: its index, and the hit as that
+    /// member reported it. Of a mesh it names the triangle.
     pub fn member_of(&self, hit: &Hit) -> (usize, Hit) {
         let index = self.first.partition_point(|&first| first <= hit.primitive) - 1;
         (index, Hit { primitive: hit.primitive - self.first[index], ..*hit })

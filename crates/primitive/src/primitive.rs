@@ -35,8 +35,8 @@ pub trait Primitive: Send + Sync {
     /// was none.
     fn visit_hits(&self, ray: &TraversalRay, interval: Interval, kind: HitKind, visitor: &mut dyn HitVisitor) -> Visit;
 
-    /// The closest hit on a surface with a material: the smallest `t`, of equal `t` the smallest primitive. To leave hits
-    /// out (alpha masks, ray masks), visit with [`ClosestHit::among`]; to learn what it cost, with [`ClosestHit`].
+    /// The closest hit on a surface with a material: the smallest `t`, of equal `t` the smallest primitive. To leave
+    /// hits out (alpha masks, ray masks), visit with [`ClosestHit::among`]; to learn what it cost, with [`ClosestHit`].
     fn intersect(&self, ray: &TraversalRay, interval: Interval) -> Option<Hit> {
         let mut closest = ClosestHit::new(interval);
         let _ = self.visit_hits(ray, interval, HitKind::Material, &mut closest);

@@ -135,8 +135,8 @@ impl<P: Primitive> Primitive for TransformedPrimitive<P> {
 }
 
 /// How far the intersection moves, for each axis, when the ray moves by at most `deviation`: by as much sideways, and
-/// along the ray until it meets the surface again, |δ| |dᵢ| / |n · d| to first order. At most f32::MAX, which is reached
-/// where the ray only touches.
+/// along the ray until it meets the surface again, |δ| |dᵢ| / |n · d| to first order. At most f32::MAX, which is
+/// reached where the ray only touches.
 fn displacement(deviation: &DVec3, point: &SurfacePoint, ray: &TraversalRay) -> DVec3 {
     let d = ray.direction64();
     let along = d.abs() * (deviation.length() / point.n.dot(d).abs());

@@ -152,8 +152,8 @@ pub struct CompiledScene<M = WideMesh> {
 #[derive(Debug)]
 struct CompiledObject<M> {
     aggregate: Arc<ObjectAggregate<M>>,
-    /// For each instance how many instance paths come before it in this object, itself not counted; behind the last, how
-    /// many there are.
+    /// For each instance how many instance paths come before it in this object, itself not counted; behind the last,
+    /// how many there are.
     paths_before: Vec<u64>,
 }
 

@@ -40,8 +40,8 @@ pub struct LeakTest {
 const LARGEST: u64 = 20_000_000;
 
 impl Truth {
-    /// The exact answers to at most `count` rays of each set, all at the camera's opening time, at which every transform
-    /// is a matrix and hence exact; and rays that test closed meshes for leaks. `None` for a scene too large.
+    /// The exact answers to at most `count` rays of each set, all at the camera's opening time, at which every
+    /// transform is a matrix and hence exact; and rays that test closed meshes for leaks. `None` for a scene too large.
     pub fn new(compiled: &CompiledScene, sets: &[(&str, &[RaySegment])], count: usize) -> Option<Self> {
         use bvh_flat::primitive::Primitive;
         let scene = compiled.scene();

@@ -19,8 +19,8 @@ pub fn page(findings: &[Finding]) -> String {
     )
 }
 
-/// The part of a page that shows `findings`, with its own style: to be put into any page's body below a heading one level above
-/// `heading`.
+/// The part of a page that shows `findings`, with its own style: to be put into any page's body below a heading one
+/// level above `heading`.
 pub fn fragment(findings: &[Finding], heading: &str) -> String {
     let passed = findings.iter().filter(|finding| finding.is_passed()).count();
     let rays: u64 = findings.iter().map(|finding| finding.rays).sum();

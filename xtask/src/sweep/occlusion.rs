@@ -25,8 +25,8 @@ pub struct Occlusion<'a> {
 }
 
 impl<'a> Occlusion<'a> {
-    /// `seen` says where the camera is and how large the scene: trees of different builders may have different bounds, in
-    /// the last digits.
+    /// `seen` says where the camera is and how large the scene: trees of different builders may have different bounds,
+    /// in the last digits.
     pub fn new(compiled: &'a CompiledScene, seen: &CompiledScene, sizes: PictureSizes) -> Result<Self> {
         let camera = input::camera(seen);
         Ok(Self {

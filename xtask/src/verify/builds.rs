@@ -21,8 +21,8 @@ const ROUNDS: usize = 3;
 /// So many times as long as a uniform scene none should take.
 const LIMIT: f64 = 4.0;
 
-/// Builds wide trees over all meshes by every split method and preset, and prints the times as multiples of those of the
-/// uniform mesh. A figure and no condition: it depends on the machine.
+/// Builds wide trees over all meshes by every split method and preset, and prints the times as multiples of those of
+/// the uniform mesh. A figure and no condition: it depends on the machine.
 pub fn print(seed: u64) -> Result<()> {
     let methods = SplitMethod::ALL.map(|method| (method.name(), BuildConfig::new(method)));
     let ways: Vec<(&str, BuildConfig)> = methods.into_iter().chain(BuildConfig::PRESETS).collect();

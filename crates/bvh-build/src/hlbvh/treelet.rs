@@ -18,8 +18,8 @@ use crate::{BuildConfig, Cancelled, Node, ProgressReporter, SplitMethod};
 /// above, and a group that begins there is within its limit: 52 + ⌈log₂ 2³¹⌉ ≤ 84 (see [`crate::depth`]).
 const MAX_HEIGHT: u32 = MAX_DEPTH - TREELET_BITS;
 
-/// The treelets of sorted `prims`: one for all whose codes agree above `low_bits`. `coded` has the places of the primitives, and
-/// gets their indices, in the order of the treelets.
+/// The treelets of sorted `prims`: one for all whose codes agree above `low_bits`. `coded` has the places of the
+/// primitives, and gets their indices, in the order of the treelets.
 pub(super) fn build<C: Coded>(
     coded: &mut [C],
     low_bits: u32,

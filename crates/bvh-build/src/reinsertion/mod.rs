@@ -3,13 +3,13 @@
 //! Optimization of Bounding Volume Hierarchies* (2013).
 //!
 //! By the surface area heuristic, a tree with given leaves costs what the areas of its interior nodes come to. Taking a
-//! subtree out and putting it back elsewhere changes the areas on two paths only, so what it gains is known at once, and
-//! a search with a bound finds the best place. As in the paper, many searches run in parallel over a tree that stands
-//! still, and moves are made after them. Beyond it:
+//! subtree out and putting it back elsewhere changes the areas on two paths only, so what it gains is known at once,
+//! and a search with a bound finds the best place. As in the paper, many searches run in parallel over a tree that
+//! stands still, and moves are made after them. Beyond it:
 //!
-//! - Candidates are chosen by the most they could gain: what taking them out saves, less their own area, which their new
-//!   parent has at least. Three passes over a tenth of all nodes, in geometric mean over six scenes, take 16.2 % off the
-//!   interior area of a tree by the heuristic over 32 buckets and all axes; eight over a fifth take 16.6 % off.
+//! - Candidates are chosen by the most they could gain: what taking them out saves, less their own area, which their
+//!   new parent has at least. Three passes over a tenth of all nodes, in geometric mean over six scenes, take 16.2 %
+//!   off the interior area of a tree by the heuristic over 32 buckets and all axes; eight over a fifth take 16.6 % off.
 //!   Of a twentieth chosen by this bound three passes take 15.8 %, chosen by area 14.8 %.
 //! - Moves are made by one thread, and each is weighed again in the tree as the ones before left it. So no two are in
 //!   conflict, the cost never rises, and the depth of the tree is known before each.

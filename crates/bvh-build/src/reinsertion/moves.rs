@@ -3,8 +3,8 @@
 use super::topology::{ROOT, Topology};
 use crate::depth::MAX_DEPTH;
 
-/// By how much the areas of all interior nodes together get less when the subtree at `from` becomes the sibling of `to`;
-/// `None` where that would be no tree, or one deeper than [`MAX_DEPTH`], or change nothing.
+/// By how much the areas of all interior nodes together get less when the subtree at `from` becomes the sibling of
+/// `to`; `None` where that would be no tree, or one deeper than [`MAX_DEPTH`], or change nothing.
 pub(super) fn gain(topology: &Topology, from: u32, to: u32) -> Option<f64> {
     let above = topology.parent(from);
     if from == ROOT || to == from || to == from ^ 1 || to == above {

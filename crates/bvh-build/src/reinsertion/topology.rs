@@ -6,8 +6,8 @@ use geometry::glam::{Vec3, Vec3A};
 use crate::prim_info::Bounds3A;
 use crate::{Cancelled, Node, NodeKind, ProgressReporter};
 
-/// Nodes are in slots, and siblings in a pair of slots that fills a cache line: slot i is half i mod 2 of pair ⌊i/2⌋, and
-/// its sibling is slot i XOR 1. The root is in slot 0, beside which there is nothing.
+/// Nodes are in slots, and siblings in a pair of slots that fills a cache line: slot i is half i mod 2 of pair ⌊i/2⌋,
+/// and its sibling is slot i XOR 1. The root is in slot 0, beside which there is nothing.
 #[derive(Clone, Debug)]
 pub(super) struct Topology {
     pairs: Vec<Pair>,

@@ -21,9 +21,9 @@ pub(super) struct Plane {
     pub(super) weight: f64,
 }
 
-/// The plane of least weight between two slices on any axis, of equals the first along the first axis; `None` where no plane
-/// has something on both sides, or no more than `most` references altogether. Where that is so on an axis, no part is asked
-/// for: of identical primitives, each in all slices, that took most of a build's time.
+/// The plane of least weight between two slices on any axis, of equals the first along the first axis; `None` where no
+/// plane has something on both sides, or no more than `most` references altogether. Where that is so on an axis, no
+/// part is asked for: of identical primitives, each in all slices, that took most of a build's time.
 #[inline(never)] // Its arrays are large, and must not lie on the stack once for every level.
 pub(super) fn cheapest_plane(
     prims: &[PrimInfo],

@@ -21,8 +21,8 @@ pub(super) struct Cut {
 impl Cut {
     /// How `plane` cuts `prims`.
     ///
-    /// A reference that lies on both sides is nevertheless kept whole where it costs less to enlarge one side by it than to
-    /// count it on both: Stich's reference unsplitting, section 4.4.
+    /// A reference that lies on both sides is nevertheless kept whole where it costs less to enlarge one side by it
+    /// than to count it on both: Stich's reference unsplitting, section 4.4.
     pub(super) fn new(
         prims: &[PrimInfo],
         plane: &Plane,

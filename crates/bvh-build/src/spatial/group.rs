@@ -83,8 +83,8 @@ impl Part for Group<'_> {
         self.first
     }
 
-    /// The depth is limited as for sets of primitives, with the room as the size of a part: a split divides the room too,
-    /// and where a node must be halved, the room that is left over is given up.
+    /// The depth is limited as for sets of primitives, with the room as the size of a part: a split divides the room
+    /// too, and where a node must be halved, the room that is left over is given up.
     fn split(self, depth: u32) -> Result<Step<Self>, Cancelled> {
         let rules @ Rules { limit, progress, .. } = &self.setting.rules;
         let is_free = limit.allows_any_split(depth, self.room.len());

@@ -1,18 +1,19 @@
 //! Splits of space: Stich, Friedrich and Dietrich, *Spatial Splits in Bounding Volume Hierarchies* (High Performance
 //! Graphics 2009).
 //!
-//! Where large primitives lie among small ones, no division of them keeps the children's bounds apart. A plane does: what it
-//! cuts is referred to on both sides, by the bounds of its part there. So a node may be split by a plane instead, where the
-//! surface area heuristic says that this is cheaper although it counts some primitives twice.
+//! Where large primitives lie among small ones, no division of them keeps the children's bounds apart. A plane does:
+//! what it cuts is referred to on both sides, by the bounds of its part there. So a node may be split by a plane
+//! instead, where the surface area heuristic says that this is cheaper although it counts some primitives twice.
 //!
-//! References that are added take up room, which is limited in advance: the array has so much more than the primitives need,
-//! and each node hands the room that it has left on to its children, by their numbers of references. So subtrees are grown
-//! in parallel, in place, and depend on nothing but what they are given.
+//! References that are added take up room, which is limited in advance: the array has so much more than the primitives
+//! need, and each node hands the room that it has left on to its children, by their numbers of references. So subtrees
+//! are grown in parallel, in place, and depend on nothing but what they are given.
 //!
-//! Rejected: splitting large triangles in advance (Karras and Aila, *Fast Parallel Construction of High-Quality Bounding
-//! Volume Hierarchies*, 2013, section 4.3), by a fifth more references. Sponza's random rays visit 3.7 nodes instead of 2.9,
-//! and kitchen's primary rays 7.9 instead of 5.3; speed in geometric mean is 0.96 and 0.78 of that without. And planes only
-//! where they save a tenth at least: half of the gain on sponza is lost, and all of it on black-forest.
+//! Rejected: splitting large triangles in advance (Karras and Aila, *Fast Parallel Construction of High-Quality
+//! Bounding Volume Hierarchies*, 2013, section 4.3), by a fifth more references. Sponza's random rays visit 3.7 nodes
+//! instead of 2.9, and kitchen's primary rays 7.9 instead of 5.3; speed in geometric mean is 0.96 and 0.78 of that
+//! without. And planes only where they save a tenth at least: half of the gain on sponza is lost, and all of it on
+//! black-forest.
 
 mod bins;
 mod cut;
@@ -24,9 +25,9 @@ use geometry::Bounds3;
 
 use crate::BuildError;
 
-/// Says where a part of a primitive is: bounds, within the given ones, of all that is in them of the primitive with this
-/// index; empty where nothing is. Is asked about active primitives, with [valid](Bounds3::is_valid) bounds that lie in
-/// theirs. The same question must have the same answer.
+/// Says where a part of a primitive is: bounds, within the given ones, of all that is in them of the primitive with
+/// this index; empty where nothing is. Is asked about active primitives, with [valid](Bounds3::is_valid) bounds that
+/// lie in theirs. The same question must have the same answer.
 pub type ClippedBounds<'a> = dyn Fn(u32, &Bounds3) -> Bounds3 + Sync + 'a;
 
 /// The parameters of spatial splits.
@@ -34,14 +35,14 @@ pub type ClippedBounds<'a> = dyn Fn(u32, &Bounds3) -> Bounds3 + Sync + 'a;
 #[non_exhaustive]
 #[must_use]
 pub struct SpatialSplits {
-    /// A plane is looked for only where the children of the best other split overlap by more than this part of the root's
-    /// surface area: Stich's α. Not negative; default 10⁻⁵.
+    /// A plane is looked for only where the children of the best other split overlap by more than this part of the
+    /// root's surface area: Stich's α. Not negative; default 10⁻⁵.
     pub overlap_threshold: f32,
-    /// How many references may be added, as a part of the number of active primitives. Between 0 and 4; default 0.1. (Of
-    /// sponza's speed, 0.05 gives the most of what 0.2 gives, in 62 bytes a triangle instead of 66.)
+    /// How many references may be added, as a part of the number of active primitives. Between 0 and 4; default 0.1.
+    /// (Of sponza's speed, 0.05 gives the most of what 0.2 gives, in 62 bytes a triangle instead of 66.)
     pub budget: f32,
-    /// Space is not split where there are fewer references: it takes as much time as all the splits above together, and the
-    /// trees are not better. Default 512.
+    /// Space is not split where there are fewer references: it takes as much time as all the splits above together, and
+    /// the trees are not better. Default 512.
     pub least_references: u32,
 }
 

@@ -119,7 +119,8 @@ fn long_primitives_cost_less_where_space_is_split() {
     }
 }
 
-/// Without a budget, or where no children overlap, or where the primitives cannot be asked, the tree is the one without.
+/// Without a budget, or where no children overlap, or where the primitives cannot be asked, the tree is the one
+/// without.
 #[test]
 fn where_nothing_is_split_nothing_changes() {
     let bounds = long_boxes(1000);

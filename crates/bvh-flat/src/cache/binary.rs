@@ -35,8 +35,8 @@ impl FlatBvh {
         Ok(bytes)
     }
 
-    /// Loads a tree from a file, with all checks but one: whether its boxes are around the primitives is seen by what joins
-    /// them, [`MeshBvh::from_parts`](crate::MeshBvh::from_parts) and
+    /// Loads a tree from a file, with all checks but one: whether its boxes are around the primitives is seen by what
+    /// joins them, [`MeshBvh::from_parts`](crate::MeshBvh::from_parts) and
     /// [`BvhAggregate::from_parts`](crate::BvhAggregate::from_parts). Where `options` are given, it is a tree of such.
     ///
     /// # Errors
@@ -57,8 +57,8 @@ impl FlatBvh {
         Self::read(&bytes, Some(geometry), options)
     }
 
-    /// Loads the tree over `bounds` from the file; where there is none or it is refused, builds the tree and saves it. What
-    /// happened is in [`Cached::origin`].
+    /// Loads the tree over `bounds` from the file; where there is none or it is refused, builds the tree and saves it.
+    /// What happened is in [`Cached::origin`].
     ///
     /// # Errors
     /// [`BuildError`] where the tree must be built and cannot be; a cache that fails is no error.

@@ -6,7 +6,8 @@ use std::path::Path;
 use super::CacheError;
 use super::header::{ALIGNMENT, Header};
 
-/// How the names of files begin that are being written. One that is left behind by a process that was ended is of no use.
+/// How the names of files begin that are being written. One that is left behind by a process that was ended is of no
+/// use.
 pub const TEMPORARY_PREFIX: &str = ".bvh-";
 
 /// Writes header and sections, with the zeros behind each.
@@ -20,9 +21,9 @@ pub(crate) fn write(to: &mut impl Write, header: &Header, sections: &[&[u8]]) ->
     Ok(())
 }
 
-/// Makes a file at `path`, or replaces the one there: under another name in the same directory, which is renamed when all of
-/// it is on the disk. Whoever opens `path` meanwhile gets the old file or the new one; of several writers the last wins;
-/// after a fault the old file is as it was.
+/// Makes a file at `path`, or replaces the one there: under another name in the same directory, which is renamed when
+/// all of it is on the disk. Whoever opens `path` meanwhile gets the old file or the new one; of several writers the
+/// last wins; after a fault the old file is as it was.
 pub(crate) fn save(path: &Path, header: &Header, sections: &[&[u8]]) -> Result<(), CacheError> {
     let directory = path.parent().filter(|directory| !directory.as_os_str().is_empty());
     let mut builder = tempfile::Builder::new();

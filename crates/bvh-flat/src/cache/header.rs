@@ -1,4 +1,5 @@
-//! The first 512 bytes: encoded, decoded, and looked through in the order of FORMAT.md. The only file that uses bincode.
+//! The first 512 bytes: encoded, decoded, and looked through in the order of FORMAT.md. The only file that uses
+//! bincode.
 
 use geometry::{Bounds3, glam::Vec3};
 use serde::{Deserialize, Serialize};

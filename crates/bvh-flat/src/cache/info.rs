@@ -72,9 +72,9 @@ impl CacheInfo {
     }
 }
 
-/// Checks a file as far as that goes without the geometry: the header, all sums, and the structure. What is left is whether
-/// the boxes of binary and compact trees are around the primitives, which are not in the file, and whether any is missing:
-/// that a load checks.
+/// Checks a file as far as that goes without the geometry: the header, all sums, and the structure. What is left is
+/// whether the boxes of binary and compact trees are around the primitives, which are not in the file, and whether any
+/// is missing: that a load checks.
 ///
 /// # Errors
 /// [`CacheError`]: what is wrong, and where.

@@ -12,8 +12,8 @@ use crate::simd::LANES;
 #[cfg(feature = "build")]
 use crate::{BuildConfig, bvh_build::BUILDER_VERSION};
 
-/// A fingerprint of geometry, of 128 bits: other bits anywhere in it make another key. Texture coordinates do not count,
-/// since no tree depends on them.
+/// A fingerprint of geometry, of 128 bits: other bits anywhere in it make another key. Texture coordinates do not
+/// count, since no tree depends on them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct GeometryKey(pub(crate) u128);
 
@@ -112,8 +112,8 @@ impl TreeOptions {
         &self.description
     }
 
-    /// The name of a file with the tree of such options over the geometry: 32 hexadecimal digits and `.bvh`. Equal content
-    /// has an equal name, in this version of the format, so that jobs can share a directory.
+    /// The name of a file with the tree of such options over the geometry: 32 hexadecimal digits and `.bvh`. Equal
+    /// content has an equal name, in this version of the format, so that jobs can share a directory.
     pub fn file_name(&self, geometry: GeometryKey) -> String {
         let [version, layout_version] = [VERSION, self.layout.version()].map(u32::to_le_bytes);
         let keys = [geometry.0, self.key()].map(u128::to_le_bytes);

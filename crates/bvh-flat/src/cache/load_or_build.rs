@@ -39,8 +39,8 @@ impl Origin {
         matches!(self, Self::Loaded)
     }
 
-    /// What a person should be told, once: that a file was refused or could not be written. Nothing where all went well,
-    /// and nothing of a file that was not there.
+    /// What a person should be told, once: that a file was refused or could not be written. Nothing where all went
+    /// well, and nothing of a file that was not there.
     pub fn message(&self) -> Option<String> {
         match self {
             Self::Loaded | Self::Built { refused: None, not_saved: None } => None,

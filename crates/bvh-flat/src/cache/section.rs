@@ -9,8 +9,8 @@ use super::header::{ALIGNMENT, SectionRecord};
 use super::source::Source;
 use super::{CacheError, Section};
 
-/// The entries of a section whose place in the file has been checked, read once into memory of their alignment; and a look at
-/// its sum and at the zeros behind.
+/// The entries of a section whose place in the file has been checked, read once into memory of their alignment; and a
+/// look at its sum and at the zeros behind.
 pub(crate) fn read_section<T: Pod>(
     source: &impl Source,
     section: Section,

@@ -22,7 +22,8 @@ use crate::{BuildConfig, BuildError};
 use crate::{InvalidWideTree, WideLayout, WideMesh};
 
 impl WideMesh {
-    /// Saves the tree, without the mesh, as built with `options`: whole, or not at all. A file that is there is replaced.
+    /// Saves the tree, without the mesh, as built with `options`: whole, or not at all. A file that is there is
+    /// replaced.
     ///
     /// # Errors
     /// [`CacheError::Io`]; [`CacheError::OtherLayout`] for options of another layout.
@@ -44,8 +45,8 @@ impl WideMesh {
         Ok(bytes)
     }
 
-    /// Loads the tree over `mesh` from a file, with all checks: the answers are those of the tree that was saved, bit for
-    /// bit. Where `options` are given, it is a tree of such; else it may be any.
+    /// Loads the tree over `mesh` from a file, with all checks: the answers are those of the tree that was saved, bit
+    /// for bit. Where `options` are given, it is a tree of such; else it may be any.
     ///
     /// # Errors
     /// [`CacheError`] for every file that is not that.
@@ -73,12 +74,12 @@ impl WideMesh {
         Self::read(&bytes, mesh, geometry, options)
     }
 
-    /// Loads the tree without copying it: the file is mapped into memory, with the same checks, and processes that map it share
-    /// its memory.
+    /// Loads the tree without copying it: the file is mapped into memory, with the same checks, and processes that map
+    /// it share its memory.
     ///
     /// *The risk.* While the tree or a clone of it is there, nobody may change or shorten the file. Replacing it by another,
-    /// as [`save`](Self::save) does, is no change. A file that is shortened ends the process at the next ray that comes to
-    /// what is missing, and bytes that change are not checked again. So map only what no one writes to in place; not
+    /// as [`save`](Self::save) does, is no change. A file that is shortened ends the process at the next ray that comes
+    /// to what is missing, and bytes that change are not checked again. So map only what no one writes to in place; not
     /// files on network file systems, whose servers can fail.
     ///
     /// # Errors
@@ -98,8 +99,8 @@ impl WideMesh {
         Self::assemble(mesh, &header, map_arena(&file, &header)?)
     }
 
-    /// Loads the tree of such a build from the file; where there is none or it is refused, builds the tree and saves it. What
-    /// happened is in [`Cached::origin`].
+    /// Loads the tree of such a build from the file; where there is none or it is refused, builds the tree and saves
+    /// it. What happened is in [`Cached::origin`].
     ///
     /// # Errors
     /// [`BuildError`] where the tree must be built and cannot be; a cache that fails is no error.

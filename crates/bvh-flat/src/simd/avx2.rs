@@ -1,7 +1,8 @@
 //! Lanes of AVX2 with FMA.
 //!
 //! Every method is one or a few instructions. They are only ever compiled into a [`Kernel`](super::Kernel) behind
-//! [`SimdWidth::run`](super::SimdWidth::run), which proves that the processor has them: that is the argument for each `op!`.
+//! [`SimdWidth::run`](super::SimdWidth::run), which proves that the processor has them: that is the argument for each
+//! `op!`.
 
 use std::arch::x86_64::*;
 use std::mem::MaybeUninit;

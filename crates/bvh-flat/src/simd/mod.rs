@@ -47,8 +47,8 @@ pub(crate) trait Lanes: Copy {
     fn load_row(rows: &[f32; 64], at: usize) -> Self::F32;
     /// Row `at / 8` of six rows of bytes, as numbers; `at` is taken down to a multiple of eight, 40 at most.
     fn load_bytes(rows: &[u8; 48], at: usize) -> Self::F32;
-    /// Of `count` triangles, as a leaf of a wide tree has them, one coordinate of the first, second and third vertices: the
-    /// numbers from 1 + (3 vertex + axis) count on. `count` is taken modulo 16 and `axis` modulo 4.
+    /// Of `count` triangles, as a leaf of a wide tree has them, one coordinate of the first, second and third vertices:
+    /// the numbers from 1 + (3 vertex + axis) count on. `count` is taken modulo 16 and `axis` modulo 4.
     fn load_vertices(leaf: &[f32; LEAF_NUMBERS], count: usize, axis: usize) -> [Self::F32; 3];
     /// The eight columns of eight rows.
     fn load_columns(rows: [&[f32; LANES]; LANES]) -> [Self::F32; LANES];
@@ -83,8 +83,8 @@ pub(crate) trait Lanes: Copy {
     /// The lanes where a <= b, if b is negative or a is not, and neither is NaN.
     fn le_or_negative(a: Self::F32, b: Self::F32) -> u32;
 
-    /// Of the lanes of the mask the one with the least number, none being negative, up to its three lowest bits; any lane
-    /// where there is none.
+    /// Of the lanes of the mask the one with the least number, none being negative, up to its three lowest bits; any
+    /// lane where there is none.
     fn least_met(a: Self::F32, met: u32) -> usize;
 
     /// In the lanes of the mask a, in the others b: their bits, whatever these mean.
@@ -134,8 +134,8 @@ pub(crate) trait Kernel {
 #[inline(always)]
 pub(crate) fn prefetch<T>(x: &T) {
     #[cfg(target_arch = "x86_64")]
-    // SAFETY: SSE is part of x86-64; a prefetch does not access memory in any observable way, and the address is that of
-    // a reference.
+    // SAFETY: SSE is part of x86-64; a prefetch does not access memory in any observable way, and the address is that
+    // of a reference.
     unsafe {
         std::arch::x86_64::_mm_prefetch::<{ std::arch::x86_64::_MM_HINT_T0 }>(std::ptr::from_ref(x).cast());
     }

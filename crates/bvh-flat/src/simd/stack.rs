@@ -31,8 +31,8 @@ impl<const CAPACITY: usize> Stack<CAPACITY> {
         self.len = 0;
     }
 
-    /// Pushes the lanes of the mask, the highest last. `None` where there is no room: `CAPACITY` must be eight more than
-    /// what is ever held.
+    /// Pushes the lanes of the mask, the highest last. `None` where there is no room: `CAPACITY` must be eight more
+    /// than what is ever held.
     #[inline(always)]
     pub(crate) fn push<L: Lanes>(&mut self, children: L::U32, entries: L::F32, mask: u32) -> Option<()> {
         let children_to = self.children.get_mut(self.len..)?.first_chunk_mut()?;

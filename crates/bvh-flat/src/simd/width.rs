@@ -79,7 +79,8 @@ impl SimdWidth {
             // SAFETY: this value was made by `avx2`, after the processor said that it has every feature of `run_avx2`.
             #[cfg(target_arch = "x86_64")]
             Set::Avx2 => unsafe { run_avx2(kernel) },
-            // SAFETY: this value was made by `avx512`, after the processor said that it has every feature of `run_avx512`.
+            // SAFETY: this value was made by `avx512`, after the processor said that it has every feature of
+            // `run_avx512`.
             #[cfg(target_arch = "x86_64")]
             Set::Avx512 => unsafe { run_avx512(kernel) },
         }

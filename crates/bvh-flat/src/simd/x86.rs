@@ -7,10 +7,10 @@ use super::LANES;
 /// An expression of intrinsics.
 macro_rules! op {
     ($e:expr) => {
-        // SAFETY: the processor has the instructions, as the modules that use this say. Those that access memory need no
-        // alignment, and do so through references to eight numbers, of which `halves` reads four from place 0 or 4 on; to
-        // 64 in `load_row` and 48 in `load_bytes`, from one of the places 0, 8 … 56 (40) on; or to 144 in `load_vertices`,
-        // of which the last read is 1 + (3 · 2 + 3) · 15 + 7 = 143 at most.
+        // SAFETY: the processor has the instructions, as the modules that use this say. Those that access memory need
+        // no alignment, and do so through references to eight numbers, of which `halves` reads four from place 0 or 4
+        // on; to 64 in `load_row` and 48 in `load_bytes`, from one of the places 0, 8 … 56 (40) on; or to 144 in
+        // `load_vertices`, of which the last read is 1 + (3 · 2 + 3) · 15 + 7 = 143 at most.
         unsafe { $e }
     };
 }

@@ -73,8 +73,8 @@ pub(crate) struct Arena {
 impl Arena {
     /// So many lines, of zeros, as `write` leaves them, and what it says.
     ///
-    /// With the feature `mmap` in large pages: those of 4 KiB, each made by a fault of its own, take a fifth of the time of the
-    /// fastest build.
+    /// With the feature `mmap` in large pages: those of 4 KiB, each made by a fault of its own, take a fifth of the
+    /// time of the fastest build.
     #[cfg_attr(not(feature = "mmap"), expect(clippy::useless_conversion, reason = "with `mmap` a type of its own"))]
     pub(crate) fn written<T>(count: usize, write: impl FnOnce(&mut [Line]) -> T) -> (Self, T) {
         #[cfg(feature = "mmap")]
@@ -87,8 +87,8 @@ impl Arena {
         (Self { lines: lines.into() }, said)
     }
 
-    /// The result of `write`, which may change all lines. Where they are in memory of this arena alone it changes them in place;
-    /// lines of a file that is mapped, or of another arena's, are copied first.
+    /// The result of `write`, which may change all lines. Where they are in memory of this arena alone it changes them
+    /// in place; lines of a file that is mapped, or of another arena's, are copied first.
     pub(crate) fn rewrite<T>(&mut self, write: impl FnOnce(&mut [Line]) -> T) -> T {
         #[cfg(not(feature = "mmap"))]
         return write(&mut self.lines);
@@ -98,8 +98,8 @@ impl Arena {
 
     /// Lines in which children name nodes and leaves, and [`LEAF_LINES`] of zeros behind them.
     ///
-    /// Rejected: large pages. With all 84 MB of kitchen's tree in pages of 2 MiB no kind of ray was faster by more than the
-    /// noise of 2 %, nor on dragon and black-forest.
+    /// Rejected: large pages. With all 84 MB of kitchen's tree in pages of 2 MiB no kind of ray was faster by more than
+    /// the noise of 2 %, nor on dragon and black-forest.
     #[cfg(feature = "cache")]
     pub(crate) fn from_all(lines: Lines) -> Self {
         Self { lines }

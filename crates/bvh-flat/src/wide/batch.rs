@@ -18,18 +18,18 @@ use crate::simd::{Kernel, Lanes, SimdWidth};
 /// How many rays are on their way at once. On a tree of 149 MB, 6 gave 0.93 and 16 gave 0.91 of the speed of 10.
 const FLIGHTS: usize = 10;
 
-/// The least tree, in bytes, for which rays may be interleaved: what the caches do not hold. Of a tree of 9 MB interleaving
-/// takes 5 % of the speed, whatever the rays.
+/// The least tree, in bytes, for which rays may be interleaved: what the caches do not hold. Of a tree of 9 MB
+/// interleaving takes 5 % of the speed, whatever the rays.
 pub(crate) const LARGE: usize = 16 << 20;
 
-/// From how many expected steps of a random ray on rays are interleaved that begin together and go apart: closest hit, and
-/// any hit, which ends sooner.
+/// From how many expected steps of a random ray on rays are interleaved that begin together and go apart: closest hit,
+/// and any hit, which ends sooner.
 ///
-/// What interleaving gave them (Mray/s before and after, one core of an AMD EPYC with 1 MiB of L2, 2026-11-25): kitchen, 11
-/// steps, 4.6 and 4.2; black-forest, 9 steps, 2.9 and 2.4; dragon, 18 steps, 3.7 and 4.2; a hairball of 2.9 M triangles,
-/// 116 steps, 0.91 and 1.25. For any hit: hall, 13 steps, 7.3 and 5.3; dragon 3.9 and 3.8; the hairball 1.1 and 1.6.
-/// Of rays that also begin apart: dragon 2.2 and 4.0, terrain-rainier 3.0 and 5.0, the hairball 0.67 and 1.1; but kitchen 7.7
-/// and 6.8. Of coherent rays it takes 10 % on every tree.
+/// What interleaving gave them (Mray/s before and after, one core of an AMD EPYC with 1 MiB of L2, 2026-11-25):
+/// kitchen, 11 steps, 4.6 and 4.2; black-forest, 9 steps, 2.9 and 2.4; dragon, 18 steps, 3.7 and 4.2; a hairball of 2.9
+/// M triangles, 116 steps, 0.91 and 1.25. For any hit: hall, 13 steps, 7.3 and 5.3; dragon 3.9 and 3.8; the hairball
+/// 1.1 and 1.6. Of rays that also begin apart: dragon 2.2 and 4.0, terrain-rainier 3.0 and 5.0, the hairball 0.67 and
+/// 1.1; but kitchen 7.7 and 6.8. Of coherent rays it takes 10 % on every tree.
 const MANY_STEPS: [f64; 2] = [15.0, 50.0];
 
 /// The mean cosine between the directions of neighbouring rays above which they go the same way.
@@ -48,8 +48,8 @@ const PAID: usize = 512;
 /// The answers of a query `Q` to many rays, as many as there are of both. Rays may be interleaved in trees from `large`
 /// bytes on: [`LARGE`], but for tests.
 ///
-/// Each way is a kernel of its own. (With all in one, closures and calls were no longer compiled in place, which took half
-/// of the speed of all ways, and to compile the crate took three times as long.)
+/// Each way is a kernel of its own. (With all in one, closures and calls were no longer compiled in place, which took
+/// half of the speed of all ways, and to compile the crate took three times as long.)
 pub(crate) fn answer_many<'a, Q: Answered<'a>>(
     triangles: &'a Triangles,
     width: SimdWidth,
@@ -131,9 +131,9 @@ struct Flight<L: Lanes, Q> {
     stack: WayStack,
 }
 
-/// Each ray in turn goes down a step, to a node or a leaf that was asked for when it was last its turn: while one waits for
-/// the memory, others go on. A step back leads to what was asked for before, and needs no turn: waiting for those too took
-/// 7 % of the speed on 149 MB, and 9 % on 4 MB.
+/// Each ray in turn goes down a step, to a node or a leaf that was asked for when it was last its turn: while one waits
+/// for the memory, others go on. A step back leads to what was asked for before, and needs no turn: waiting for those
+/// too took 7 % of the speed on 149 MB, and 9 % on 4 MB.
 pub(crate) struct Interleaved<'a, 'r, Q: Answered<'a>> {
     triangles: &'a Triangles,
     width: SimdWidth,

@@ -25,8 +25,8 @@ pub(crate) struct WideTree {
     pub(crate) bounds: Bounds3,
     /// Whether a primitive may be in several leaves.
     pub(crate) is_split: bool,
-    /// How many steps, to nodes and leaves, a random ray through the bounds is expected to make: the cost of the surface
-    /// area heuristic.
+    /// How many steps, to nodes and leaves, a random ray through the bounds is expected to make: the cost of the
+    /// surface area heuristic.
     pub(crate) expected_steps: f64,
 }
 
@@ -101,9 +101,9 @@ impl BinaryTree for [bvh_build::Node] {
     }
 }
 
-/// Which binary nodes become wide nodes and leaves is decided by dynamic programming, after Ylitie, Karras and Laine 2017,
-/// *Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs*, section 4: the least sum of area times cost
-/// over all nodes and leaves.
+/// Which binary nodes become wide nodes and leaves is decided by dynamic programming, after Ylitie, Karras and Laine
+/// 2017, *Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs*, section 4: the least sum of area
+/// times cost over all nodes and leaves.
 ///
 /// The plan says how many lines each subtree takes, so that all are written in parallel into memory of the right size.
 ///

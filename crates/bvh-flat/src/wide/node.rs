@@ -34,8 +34,8 @@ pub(crate) trait WideNode: Pod {
     fn children(&self) -> &[u32; LANES];
 
     /// For each of the eight octants of ray directions three bits in every lane, from bit 3 · octant on: lane i of the
-    /// children, sorted from the farthest to the nearest for such rays, is the child in the lane with that number. Bit i of
-    /// an octant is set where the direction's component i is negative.
+    /// children, sorted from the farthest to the nearest for such rays, is the child in the lane with that number. Bit
+    /// i of an octant is set where the direction's component i is negative.
     fn orders(&self) -> &[u32; LANES];
 
     /// The child in a lane, modulo eight.
@@ -98,9 +98,9 @@ impl WideNode for FullNode {
     }
 }
 
-/// A node of 128 bytes: planes in 256 steps of a power of two from an origin. Step q of an axis is at fl(origin + q · scale),
-/// the same number on every processor, since the product is exact; and it was chosen by that number, so that the box
-/// contains the child's.
+/// A node of 128 bytes: planes in 256 steps of a power of two from an origin. Step q of an axis is at fl(origin + q ·
+/// scale), the same number on every processor, since the product is exact; and it was chosen by that number, so that
+/// the box contains the child's.
 ///
 /// Ylitie, Karras and Laine 2017, *Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs*, section 3.
 #[derive(Clone, Copy, Pod, Zeroable)]
@@ -189,7 +189,8 @@ fn references(children: &[Option<Child>]) -> [u32; LANES] {
     std::array::from_fn(|lane| children.get(lane).copied().flatten().map_or(0, |child| child.0))
 }
 
-/// See [`WideNode::orders`]; of equal distances the first lane comes first, and lanes without a child before all others.
+/// See [`WideNode::orders`]; of equal distances the first lane comes first, and lanes without a child before all
+/// others.
 fn orders(bounds: &[Bounds3]) -> [u32; LANES] {
     let mut orders = [0; LANES];
     for octant in 0..8 {

@@ -16,7 +16,8 @@ pub(crate) enum Stage {
 
 /// Watches a collapse.
 pub(crate) trait Watch {
-    /// The result of `work`, which is `stage` and has `total` items; `None` where the watch, or the work, has broken it off.
+    /// The result of `work`, which is `stage` and has `total` items; `None` where the watch, or the work, has broken it
+    /// off.
     fn observe<T>(&self, stage: Stage, total: usize, work: impl FnOnce(&Update) -> Option<T>) -> Option<T>;
 }
 
@@ -60,7 +61,8 @@ impl NoWideTree {
     /// As the error of a build over `count` primitives.
     pub(crate) fn of(self, count: usize) -> bvh_build::BuildError {
         match self {
-            // At most a line for each primitive and a node for each but one always fit; most meshes need a fifth of that.
+            // At most a line for each primitive and a node for each but one always fit; most meshes need a fifth of
+            // that.
             Self::TooLarge => {
                 bvh_build::BuildError::TooManyPrimitives { count, limit: MAX_LINES / (1 + FullNode::LINES) }
             }

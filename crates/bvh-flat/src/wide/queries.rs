@@ -50,9 +50,9 @@ impl<'a, Y: Layout> Asked<'a, Y> {
         self.ray.candidates::<L>(leaf.numbers(), leaf.count(), [self.interval.t_min(), t_max])
     }
 
-    /// Whether a triangle lies before or behind the start of the interval, where f64 is certain of it though f32 is not: most
-    /// often it is the one that the ray has just left. (Compiled in place, it took a seventh of the speed of any-hit rays that
-    /// never need it.)
+    /// Whether a triangle lies before or behind the start of the interval, where f64 is certain of it though f32 is
+    /// not: most often it is the one that the ray has just left. (Compiled in place, it took a seventh of the speed of
+    /// any-hit rays that never need it.)
     #[cold]
     #[inline(never)]
     fn cmp_to_start(&self, ray: &TraversalRay, leaf: Child, lane: usize) -> Option<Ordering> {
@@ -87,8 +87,8 @@ pub(crate) trait Answered<'a>: Query {
     /// The query of a ray that has come so far.
     fn resumed(asked: Asked<'a, Self::Layout>, progress: Progress) -> Self;
 
-    /// Takes a triangle that may be hit, of which f32 says too little: all but whether t* is behind the start of the interval,
-    /// where there are bounds of it.
+    /// Takes a triangle that may be hit, of which f32 says too little: all but whether t* is behind the start of the
+    /// interval, where there are bounds of it.
     fn undecided(&mut self, ray: &TraversalRay, leaf: Child, lane: usize, bounds: Option<[f32; 2]>);
 
     /// How far it has come.

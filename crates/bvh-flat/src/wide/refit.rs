@@ -12,8 +12,8 @@ use crate::simd::LANES;
 /// Up to so many lines are adapted by one thread.
 const SEQUENTIAL: usize = 1 << 13;
 
-/// Adapts the boxes, and what leaves have of the triangles, to `mesh`; the same triangles stay in the same leaves. `cost` is
-/// that of a leaf of so many. `None` where references lead astray, which those of a valid tree never do.
+/// Adapts the boxes, and what leaves have of the triangles, to `mesh`; the same triangles stay in the same leaves.
+/// `cost` is that of a leaf of so many. `None` where references lead astray, which those of a valid tree never do.
 pub(crate) fn refit<Y: Layout>(
     tree: &mut WideTree,
     mesh: &TriangleMesh,
@@ -42,7 +42,8 @@ struct Refitted {
 }
 
 impl<C: Fn(usize) -> f64 + Sync> Refitter<'_, C> {
-    /// Adapts a child and everything below it; its lines are the first of `lines`, of which the first one is line `begin`.
+    /// Adapts a child and everything below it; its lines are the first of `lines`, of which the first one is line
+    /// `begin`.
     fn child<Y: Layout>(&self, child: Child, begin: usize, lines: &mut [Line]) -> Option<Refitted> {
         if child.is_leaf() {
             self.leaf::<Y>(child.count(), lines.get_mut(child.place().checked_sub(begin)?..)?)

@@ -10,8 +10,8 @@ use super::node::WideNode;
 use crate::MAX_DEPTH;
 use crate::simd::{Lanes, LanesOf, Stack};
 
-/// The most nodes on a path of a wide tree, with the leaf: it is no deeper than the binary one that it was made of, whose
-/// large leaves may have been divided, by 13 levels at most.
+/// The most nodes on a path of a wide tree, with the leaf: it is no deeper than the binary one that it was made of,
+/// whose large leaves may have been divided, by 13 levels at most.
 pub(crate) const MAX_WIDE_DEPTH: usize = MAX_DEPTH + 13;
 
 /// Each level leaves seven children on the stack, and eight are written at once.
@@ -66,14 +66,14 @@ impl<L: Lanes> Way<L> {
 
     /// Visits a node or a leaf: where the ray comes to next, or `None` at the end of its way.
     ///
-    /// The nearest of the children that are met is next; of three and more the others follow in the order of the ray's octant.
-    /// Rejected: the order of the octant for all, with which kitchen's primary rays visit 8.7 nodes and test 8.8 triangles
-    /// instead of 8.3 and 6.8; and the others in no order, with which sponza's diffuse rays visit 12.3 and test 11.1 instead of
-    /// 11.8 and 10.1.
+    /// The nearest of the children that are met is next; of three and more the others follow in the order of the ray's
+    /// octant. Rejected: the order of the octant for all, with which kitchen's primary rays visit 8.7 nodes and test
+    /// 8.8 triangles instead of 8.3 and 6.8; and the others in no order, with which sponza's diffuse rays visit 12.3
+    /// and test 11.1 instead of 11.8 and 10.1.
     ///
-    /// Any hit is found sooner by way of the nearest too (8 % less time for bunny's and the hairball's shadow rays, 4 % for
-    /// black-forest's, 4 % more for terrain-rainier's), but the order of the others does not pay. Rejected: first the child of
-    /// whose box the ray has most before it, with which all scenes take longer.
+    /// Any hit is found sooner by way of the nearest too (8 % less time for bunny's and the hairball's shadow rays, 4 %
+    /// for black-forest's, 4 % more for terrain-rainier's), but the order of the others does not pay. Rejected: first
+    /// the child of whose box the ray has most before it, with which all scenes take longer.
     #[inline(always)]
     pub(crate) fn step<const REGULAR: bool, N: WideNode, Q: Query>(
         &mut self,
@@ -104,10 +104,10 @@ impl<L: Lanes> Way<L> {
                 _ => Some(Next::Down(node.child(met.trailing_zeros()))),
             };
         }
-        // Before the nearest is known, and two without a branch, since most often it is two. Rejected, in geometric mean over
-        // sponza, kitchen, bunny, dragon and terrain-rainier: none (5 % more speed for sponza's primary rays, as much less where
-        // memory is slow, on dragon); the last of the stack alone (1 % less), and the next one with each that is taken from it
-        // (2 %); all but the nearest (3 %); two lines of each instead of four (1 %).
+        // Before the nearest is known, and two without a branch, since most often it is two. Rejected, in geometric
+        // mean over sponza, kitchen, bunny, dragon and terrain-rainier: none (5 % more speed for sponza's primary rays,
+        // as much less where memory is slow, on dragon); the last of the stack alone (1 % less), and the next one with
+        // each that is taken from it (2 %); all but the nearest (3 %); two lines of each instead of four (1 %).
         arena.prefetch(node.child(met.trailing_zeros()).place());
         arena.prefetch(node.child(others.trailing_zeros()).place());
         let more = others & (others - 1);

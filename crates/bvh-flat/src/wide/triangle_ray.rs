@@ -20,11 +20,11 @@ pub(crate) struct TriangleRay {
     /// −Sx and −Sy.
     sx: f32,
     sy: f32,
-    /// One over the direction's largest component; NaN, with which nothing is certain and nothing ruled out by its t, where
-    /// that is far from the lengths that occur.
+    /// One over the direction's largest component; NaN, with which nothing is certain and nothing ruled out by its t,
+    /// where that is far from the lengths that occur.
     rdz: f32,
-    /// A bound on what the distance of the origin from the exact one adds to coordinates; infinite, so that nothing is ruled
-    /// out, where the origin is so far outside of the domain that products could overflow.
+    /// A bound on what the distance of the origin from the exact one adds to coordinates; infinite, so that nothing is
+    /// ruled out, where the origin is so far outside of the domain that products could overflow.
     origin_error: f32,
     /// What E is at least.
     least_error: f32,
@@ -65,8 +65,8 @@ impl TriangleRay {
     #[inline(always)]
     pub(crate) fn new(ray: &TraversalRay) -> Self {
         let (shear, o) = (ray.shear(), ray.origin_and_time().to_array());
-        // From one of the axes: all three would be read as one vector, right after they were written one by one, and such a
-        // load waits until they have left the store queue.
+        // From one of the axes: all three would be read as one vector, right after they were written one by one, and
+        // such a load waits until they have left the store queue.
         let kz = shear.kz & 3;
         let kx = if kz == 2 { 0 } else { kz + 1 };
         let k = [kx, 3_usize.wrapping_sub(kx + kz) & 3, kz];
@@ -121,37 +121,38 @@ impl TriangleRay {
 }
 
 impl<L: Lanes> FilterRay<L> {
-    /// What there is in each of `lanes`: a hit of the triangle of three vertices, given along the ray's axes one after the
-    /// other, of which d is an extent or more, with t in an open interval.
+    /// What there is in each of `lanes`: a hit of the triangle of three vertices, given along the ray's axes one after
+    /// the other, of which d is an extent or more, with t in an open interval.
     ///
-    /// With u = 2⁻²⁴, D the largest extent of any of the triangles along an axis, and m = |A_z| + D, which bounds the depths
-    /// of all three vertices. A sheared coordinate x = pₓ − Sₓ p_z is wrong by δ <= u (6m + 2R), where R bounds the sheared
-    /// coordinates: one rounding in each p, three in Sₓ (of a direction that was rounded), one in the product (none where it
-    /// is fused), one in the difference; an edge function by 4Rδ + 2δ² + 4uR². The sheared coordinates of a triangle that
-    /// the ray meets are at most 2D, so
+    /// With u = 2⁻²⁴, D the largest extent of any of the triangles along an axis, and m = |A_z| + D, which bounds the
+    /// depths of all three vertices. A sheared coordinate x = pₓ − Sₓ p_z is wrong by δ <= u (6m + 2R), where R bounds
+    /// the sheared coordinates: one rounding in each p, three in Sₓ (of a direction that was rounded), one in the
+    /// product (none where it is fused), one in the difference; an edge function by 4Rδ + 2δ² + 4uR². The sheared
+    /// coordinates of a triangle that the ray meets are at most 2D, so
     ///
     ///   E = (64u D + 256u² |A_z|) (|A_z| + 2.25 D) >= u (64 D |A_z| + 144 D²) + 256 u² A_z²
     ///
     /// is more than the error of its edge functions, and a triangle with edge functions below −E and above E is missed.
     ///
-    /// The others have a bound of their own, with their own R, whether or not they are hit: δ <= u (8m + 3R) and an edge
-    /// function by 4Rδ + 2δ² + 5uR². With all edge functions above it, or all below its negative, they are hit.
+    /// The others have a bound of their own, with their own R, whether or not they are hit: δ <= u (8m + 3R) and an
+    /// edge function by 4Rδ + 2δ² + 5uR². With all edge functions above it, or all below its negative, they are hit.
     ///
-    /// t = Σ eᵢ zᵢ / Σ eᵢ / d_z is a mean of the vertices' parameters, so an error of its weights counts with how much these
-    /// differ: little, where a triangle faces the ray. With edge functions wrong by ε the weights of a hit are wrong by
-    /// 6ε / |Σe| together and their sum is 1, so t is wrong by half of that times the difference, here 4ε / |Σe|; the rest
-    /// are at most 14 roundings of |A_z| + D, and 5 for those of the difference. (With E in place of ε, which is larger for
-    /// large triangles, a third of kitchen's primary rays could not tell a wall from what hangs on it; this gave 17 %.)
+    /// t = Σ eᵢ zᵢ / Σ eᵢ / d_z is a mean of the vertices' parameters, so an error of its weights counts with how much
+    /// these differ: little, where a triangle faces the ray. With edge functions wrong by ε the weights of a hit are
+    /// wrong by 6ε / |Σe| together and their sum is 1, so t is wrong by half of that times the difference, here 4ε /
+    /// |Σe|; the rest are at most 14 roundings of |A_z| + D, and 5 for those of the difference. (With E in place of ε,
+    /// which is larger for large triangles, a third of kitchen's primary rays could not tell a wall from what hangs on
+    /// it; this gave 17 %.)
     ///
     /// *Underflow.* It is in both bounds: the least normal number is more than products of edges can lose. What sums of
     /// products with depths lose, 2⁻¹⁴⁷, is 2⁻⁸⁷ of depth at most where |Σe| >= 2⁻⁶⁰, which is less than the roundings
-    /// counted above, since D >= 2⁻³² then. Where t is below 2⁻⁶⁰ nothing is certain. *Overflow.* Edge functions are below
-    /// 2¹²⁷, as the origin is within 2⁶¹. Where |Σe| is beyond 2⁶⁰ nothing is certain. The comparisons are written so that
-    /// NaN is neither missed nor certain.
+    /// counted above, since D >= 2⁻³² then. Where t is below 2⁻⁶⁰ nothing is certain. *Overflow.* Edge functions are
+    /// below 2¹²⁷, as the origin is within 2⁶¹. Where |Σe| is beyond 2⁶⁰ nothing is certain. The comparisons are
+    /// written so that NaN is neither missed nor certain.
     ///
-    /// Rejected: to leave early where the depths of the vertices already say that t* is outside of the interval, a branch
-    /// more that is hard to foresee (1 %); and to let f64 decide about all that edge functions leave, by which what comes
-    /// next waits longer for t (bunny's diffuse rays 9 %, sponza's random ones 7 %).
+    /// Rejected: to leave early where the depths of the vertices already say that t* is outside of the interval, a
+    /// branch more that is hard to foresee (1 %); and to let f64 decide about all that edge functions leave, by which
+    /// what comes next waits longer for t (bunny's diffuse rays 9 %, sponza's random ones 7 %).
     #[inline(always)]
     pub(crate) fn filter(
         &self,

@@ -18,8 +18,8 @@ use crate::simd::{LANES, LEAF_NUMBERS, prefetch};
 #[cfg(feature = "cache")]
 pub(crate) use checked::CheckedLayout;
 
-/// Numbers of primitives are stored with this added: small ones, read as f32 by a load that begins in the numbers before
-/// them, would be denormal, which some processors are slow at.
+/// Numbers of primitives are stored with this added: small ones, read as f32 by a load that begins in the numbers
+/// before them, would be denormal, which some processors are slow at.
 const BIAS: u32 = 0x3f80_0000;
 
 /// How the triangles of a wide tree are kept.
@@ -87,7 +87,8 @@ impl Scratch for [f32; LEAF_NUMBERS] {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Blocks;
 
-/// Leaves name their triangles, and the vertices are read from the mesh; boxes are quantised. About 20 bytes a triangle.
+/// Leaves name their triangles, and the vertices are read from the mesh; boxes are quantised. About 20 bytes a
+/// triangle.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Compact;
 
@@ -172,8 +173,8 @@ fn gather(
     Some(())
 }
 
-/// The block of some triangles. Of n: their largest extent along any axis; nine times n coordinates, of the first vertices x,
-/// y and z, of the second, of the third; and n numbers.
+/// The block of some triangles. Of n: their largest extent along any axis; nine times n coordinates, of the first
+/// vertices x, y and z, of the second, of the third; and n numbers.
 ///
 /// They are not padded to eight: a load of eight lanes goes on into what follows, and the lanes from n on are masked.
 fn write_block(mesh: &TriangleMesh, ids: &[u32], words: &mut [u32]) {
@@ -203,9 +204,9 @@ fn largest(extents: impl Iterator<Item = f32>) -> f32 {
     extents.fold(0.0, f32::max).next_up()
 }
 
-/// A step to a leaf takes half as much time again as one to a node, whatever it holds; the rest makes the tree that tests
-/// less win among equal ones. (From 0.5 to 2.5 for the leaf and 0 to 0.3 for a triangle, nothing was faster by more than
-/// the noise on bunny, sponza and kitchen; but 0.3 takes a fifth more memory.)
+/// A step to a leaf takes half as much time again as one to a node, whatever it holds; the rest makes the tree that
+/// tests less win among equal ones. (From 0.5 to 2.5 for the leaf and 0 to 0.3 for a triangle, nothing was faster by
+/// more than the noise on bunny, sponza and kitchen; but 0.3 takes a fifth more memory.)
 pub(crate) const LEAF_COST: f64 = 1.5;
 
 /// What a triangle adds to it.
@@ -230,8 +231,8 @@ impl<'a, Y: Layout> TriangleWriter<'a, Y> {
         Self { mesh, order, is_split, layout: PhantomData }
     }
 
-    /// Asks for triangles that stand behind a leaf's in the order, and for vertices of nearer ones: leaves are written nearly in
-    /// that order, and would spend two thirds of the time waiting.
+    /// Asks for triangles that stand behind a leaf's in the order, and for vertices of nearer ones: leaves are written
+    /// nearly in that order, and would spend two thirds of the time waiting.
     fn prefetch(&self, leaf: &Range<usize>) {
         const TRIANGLES: usize = 48;
         const VERTICES: usize = 16;
@@ -315,8 +316,8 @@ impl<'a> TriangleLeaf<'a> {
     #[inline(always)]
     pub(crate) fn permuted(&self, lane: usize, [x, y, z]: [usize; 3]) -> [[f32; 3]; 3] {
         let vertex = |i: usize| {
-            // Hidden from the compiler: for AVX-512 it would make one gather with 64-bit multiplications of all nine loads,
-            // which costs 6 % of a primary ray.
+            // Hidden from the compiler: for AVX-512 it would make one gather with 64-bit multiplications of all nine
+            // loads, which costs 6 % of a primary ray.
             let first = std::hint::black_box(1 + 3 * i * self.count + lane);
             let number = |axis: usize| self.numbers[(first + axis * self.count) & 127];
             [number(x), number(y), number(z)]

@@ -1,8 +1,8 @@
 //! What makes lines a wide tree over a mesh: linear in their number, front to back, and never trusts a reference.
 //!
-//! A subtree is one run of lines (see [`collapse`](super::collapse())), so it is enough to see that every node and leaf begins
-//! where the one before it ended: then no line has two owners and none is without, there is no cycle, and subtrees can be
-//! looked through in parallel.
+//! A subtree is one run of lines (see [`collapse`](super::collapse())), so it is enough to see that every node and leaf
+//! begins where the one before it ended: then no line has two owners and none is without, there is no cycle, and
+//! subtrees can be looked through in parallel.
 
 mod error;
 mod walk;
@@ -21,15 +21,17 @@ pub use error::InvalidWideTree;
 pub(crate) use walk::WideCounts;
 use walk::{Checker, Subtree, Walk};
 
-/// Checks everything that FORMAT.md says of a wide tree over `mesh`, and counts. A tree that passes has every triangle that can
-/// be hit in one leaf, as it is in the mesh, and in every box above that: whoever made it, no ray gets another answer than
-/// from the mesh itself.
+/// Checks everything that FORMAT.md says of a wide tree over `mesh`, and counts. A tree that passes has every triangle
+/// that can be hit in one leaf, as it is in the mesh, and in every box above that: whoever made it, no ray gets another
+/// answer than from the mesh itself.
 ///
-/// With spatial splits a triangle is in several leaves, and a part of it in the boxes of each. That it meets these boxes is
-/// seen, and that it is in one leaf at least; that its parts are together all of it is not, and rests on the checksum.
+/// With spatial splits a triangle is in several leaves, and a part of it in the boxes of each. That it meets these
+/// boxes is seen, and that it is in one leaf at least; that its parts are together all of it is not, and rests on the
+/// checksum.
 pub(crate) fn validate<Y: CheckedLayout>(tree: &WideTree, mesh: &TriangleMesh) -> Result<WideCounts, InvalidWideTree> {
     let mut seen: Vec<AtomicU8> = (0..mesh.len()).map(|_| AtomicU8::new(0)).collect();
-    // Threads that see the same primitive at once may both find it new; then more references are counted than primitives.
+    // Threads that see the same primitive at once may both find it new; then more references are counted than
+    // primitives.
     let see = |primitive: u32| {
         let is_new = |seen: &AtomicU8| seen.load(Ordering::Relaxed) == 0;
         let seen = seen.get(primitive as usize).filter(|seen| tree.is_split || is_new(seen));

@@ -10,8 +10,8 @@ use crate::TraversalRay;
 /// Half the spacing of f64 at 1: the relative error of one rounding.
 const U: f64 = f64::EPSILON / 2.0;
 
-/// 2⁻¹⁰⁰⁰: more than underflow can add to a determinant (three products, by 2⁻¹⁰⁷⁵ each, of f64 components of a ray), and
-/// less than any determinant of f32 data but zero.
+/// 2⁻¹⁰⁰⁰: more than underflow can add to a determinant (three products, by 2⁻¹⁰⁷⁵ each, of f64 components of a ray),
+/// and less than any determinant of f32 data but zero.
 const TINY: f64 = f64::from_bits((1023 - 1000) << 52);
 
 /// A hit, by two numbers around the exact parameter: `low <= t* <= high`.
@@ -36,8 +36,9 @@ impl Enclosure {
     /// Where the line meets the plane of the triangle: t* = n·p / n·d with n = (v₁ − v₀) × (v₂ − v₀) and p = v₀ − o.
     /// `None` where n·d is not certain within 1/64 of itself.
     ///
-    /// With u = 2⁻⁵³ and S = |v₁ − v₀| × |v₂ − v₀|, all terms added, n is wrong by 4u S: a rounding in each difference, in
-    /// the product, and in the sum. Then n·p is wrong by 8u S·|p| and n·d by 7u S·|d|, to first order; 10u is for the rest.
+    /// With u = 2⁻⁵³ and S = |v₁ − v₀| × |v₂ − v₀|, all terms added, n is wrong by 4u S: a rounding in each difference,
+    /// in the product, and in the sum. Then n·p is wrong by 8u S·|p| and n·d by 7u S·|d|, to first order; 10u is for
+    /// the rest.
     /// |N / D − N* / D*| <= (δN + |t| δD) / (|D| − δD), and 1/63 more of it for δD; the quotient and the ends are rounded.
     pub(super) fn of_plane(line: &Line, vertices: &[Vec3; 3]) -> Option<Self> {
         let Plane { numerator, denominator, numerator_error, denominator_error } = Plane::new(line, vertices);
@@ -65,11 +66,13 @@ impl Enclosure {
     }
 }
 
-/// The order of the parameter where a ray meets the plane of a triangle, and `t`, where f64 is certain of it. The triangle that
-/// a ray has just left is met a few ulp before or after 0, which is too near for f32, and needs neither edges nor a division.
+/// The order of the parameter where a ray meets the plane of a triangle, and `t`, where f64 is certain of it. The
+/// triangle that a ray has just left is met a few ulp before or after 0, which is too near for f32, and needs neither
+/// edges nor a division.
 ///
-/// With the notation and the errors of `Enclosure::of_plane`, t* < t where n·p − t n·d and n·d have different signs; the
-/// first is wrong by 8u S·|p| + 8u t S·|d| to first order, its own difference included, and so by less than 10u of both.
+/// With the notation and the errors of `Enclosure::of_plane`, t* < t where n·p − t n·d and n·d have different signs;
+/// the first is wrong by 8u S·|p| + 8u t S·|d| to first order, its own difference included, and so by less than 10u of
+/// both.
 #[inline]
 pub fn cmp_plane(ray: &TraversalRay, vertices: &[Vec3; 3], t: f32) -> Option<Ordering> {
     let plane = Plane::new(&Line { origin: ray.origin64(), direction: ray.direction64() }, vertices);

@@ -4,8 +4,8 @@ use std::cmp::Ordering;
 
 use super::number::Number;
 
-/// A number of at most 64 `LIMBS` bits: sign and magnitude. Of the limbs, the least first, all from `len` on are zero, and
-/// the one before is not.
+/// A number of at most 64 `LIMBS` bits: sign and magnitude. Of the limbs, the least first, all from `len` on are zero,
+/// and the one before is not.
 pub(super) struct Integer<const LIMBS: usize> {
     negative: bool,
     len: usize,

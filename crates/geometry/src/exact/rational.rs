@@ -15,9 +15,9 @@ const NARROW: (u32, i32) = (40, 64);
 /// 1024 bits do for these: determinants have 8 limbs at most, floats 7.
 const MIDDLE: (u32, i32) = (168, 384);
 
-/// 7424 bits do for all others. Coordinates and directions are multiples of 2⁻¹⁰⁷⁴ below 2¹²⁸: their width is at most 1202,
-/// determinants are below 2³⁶¹² (57 limbs), and the product of two below 2⁷²²⁴ (114 limbs). A determinant beside a float
-/// m 2ᵉ (m < 2⁵³, −1074 <= e <= 971), both brought to a common unit, stays below 2⁴⁶⁹⁰.
+/// 7424 bits do for all others. Coordinates and directions are multiples of 2⁻¹⁰⁷⁴ below 2¹²⁸: their width is at most
+/// 1202, determinants are below 2³⁶¹² (57 limbs), and the product of two below 2⁷²²⁴ (114 limbs). A determinant beside
+/// a float m 2ᵉ (m < 2⁵³, −1074 <= e <= 971), both brought to a common unit, stays below 2⁴⁶⁹⁰.
 const LARGE_LIMBS: usize = 116;
 
 /// `$call::<T>(…)` with the least number type that does.
@@ -76,7 +76,8 @@ impl<const N: usize> OnGrid<N> {
         self.places.unit - self.directions.unit
     }
 
-    // Arrays of numbers are written out here: `map` would move the large ones about, which took four fifths of the time.
+    // Arrays of numbers are written out here: `map` would move the large ones about, which took four fifths of the
+    // time.
 
     fn direction<T: Number>(&self) -> [T; 3] {
         let [x, y, z] = self.direction;

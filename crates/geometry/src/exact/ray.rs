@@ -139,7 +139,8 @@ impl ExactRay {
             observer.decided(Tier::Certificate);
             return if a.high < b.low { Ordering::Less } else { Ordering::Greater };
         }
-        // A tile on a floor, a wall modelled twice: more than a third of the time of random rays in such halls without it.
+        // A tile on a floor, a wall modelled twice: more than a third of the time of random rays in such halls without
+        // it.
         if are_coplanar(a_vertices, b_vertices) {
             observer.decided(Tier::Certificate);
             return Ordering::Equal;
@@ -184,8 +185,8 @@ impl ExactRay {
     }
 }
 
-/// Whether two triangles are seen to lie in one plane: that of a coordinate which all vertices have in common, or that of the
-/// same vertices. A ray that hits both, neither of them edge-on, does so at the same t*.
+/// Whether two triangles are seen to lie in one plane: that of a coordinate which all vertices have in common, or that
+/// of the same vertices. A ray that hits both, neither of them edge-on, does so at the same t*.
 ///
 /// `false` says nothing. No error is possible, since nothing is computed.
 pub fn are_coplanar(a: &[Vec3; 3], b: &[Vec3; 3]) -> bool {
@@ -193,8 +194,8 @@ pub fn are_coplanar(a: &[Vec3; 3], b: &[Vec3; 3]) -> bool {
     (0..3).any(is_in_plane) || b.iter().all(|v| a.contains(v))
 }
 
-/// The [values](ExactRay::values) of a triangle that the ray is known to hit, given by the coordinates of its vertices in the
-/// order kx, ky, kz of the ray's [shear](TraversalRay::shear).
+/// The [values](ExactRay::values) of a triangle that the ray is known to hit, given by the coordinates of its vertices
+/// in the order kx, ky, kz of the ray's [shear](TraversalRay::shear).
 ///
 /// Compiled in place, so that a kernel for wider registers has it in its own instructions.
 #[inline(always)]
@@ -212,8 +213,8 @@ fn values_in_frame(frame: &Frame, vertices: &[[f32; 3]; 3]) -> (TriangleHit, boo
     (TriangleHit { t, u: unit_f32(b[0]), v: unit_f32(b[1]) }, t_is_certain & b_is_certain)
 }
 
-/// Triangles that are known to be hit, each by a ray of its own, with the coordinates of all in the order kx, ky, kz that these
-/// rays have in common; none of the rays was transformed.
+/// Triangles that are known to be hit, each by a ray of its own, with the coordinates of all in the order kx, ky, kz
+/// that these rays have in common; none of the rays was transformed.
 #[derive(Clone, Copy, Debug)]
 pub struct HitLanes<const N: usize> {
     /// For each axis the origins.
@@ -269,8 +270,8 @@ fn values_of_difficult_hit(ray: &TraversalRay, vertices: &[[f32; 3]; 3]) -> Tria
     ray.values(&vertices, &ray.enclose(&vertices), &mut ())
 }
 
-/// The barycentrics of the second and the third vertex where the ray meets the triangle, each within 8 · 2⁻⁵³ of the exact
-/// one relatively; `None` where it does not. The vertices are finite.
+/// The barycentrics of the second and the third vertex where the ray meets the triangle, each within 8 · 2⁻⁵³ of the
+/// exact one relatively; `None` where it does not. The vertices are finite.
 #[cold]
 pub(crate) fn exact_weights(ray: &TraversalRay, vertices: &[Vec3; 3]) -> Option<[f64; 2]> {
     let line = Line { origin: ray.origin64(), direction: ray.direction64() };

@@ -9,16 +9,16 @@ const U: f64 = f64::EPSILON / 2.0;
 
 /// 2⁻⁷⁰⁰: more than underflow can add to an edge function, and less than any edge function of f32 data but zero.
 ///
-/// A product is wrong by up to 2⁻¹⁰⁷⁵ where it underflows; sums never are. In an edge function that is multiplied by two
-/// coordinates below 2¹³¹ at most. Of f32 data an edge function is a multiple of 2⁻⁴⁴⁷, over a component of the direction
-/// that is below 2¹²⁸.
+/// A product is wrong by up to 2⁻¹⁰⁷⁵ where it underflows; sums never are. In an edge function that is multiplied by
+/// two coordinates below 2¹³¹ at most. Of f32 data an edge function is a multiple of 2⁻⁴⁴⁷, over a component of the
+/// direction that is below 2¹²⁸.
 const TINY: f64 = f64::from_bits((1023 - 700) << 52);
 
 /// 2⁻³⁵⁰: the reciprocal of a larger sum, and products with it, are far from the ends of f64.
 const LEAST_SUM: f64 = f64::from_bits((1023 - 350) << 52);
 
-/// The frame in which the ray is the z axis: that of Woop, Benthin and Wald 2013 in f64, with kz the axis of the largest
-/// component of the f64 direction, so that |Sx| and |Sy| are at most 1, up to rounding.
+/// The frame in which the ray is the z axis: that of Woop, Benthin and Wald 2013 in f64, with kz the axis of the
+/// largest component of the f64 direction, so that |Sx| and |Sy| are at most 1, up to rounding.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Frame {
     kx: usize,
@@ -35,9 +35,9 @@ pub(super) struct Frame {
 /// A triangle in the frame of a ray.
 ///
 /// *Errors*, with u = 2⁻⁵³ and to first order; the factors below leave a quarter and more for the rest, the roundings of
-/// the bounds included. A coordinate x = pₓ − Sₓ p_z is wrong by δ <= 2u |pₓ| + 5u |Sₓ p_z|: one rounding in each p, two
-/// in Sₓ, one in the product, one in the difference. An edge function e = x_c y_b − y_c x_b is then wrong by
-/// E <= 2δ (X + Y + δ) + 4u X Y, where X and Y bound the coordinates.
+/// the bounds included. A coordinate x = pₓ − Sₓ p_z is wrong by δ <= 2u |pₓ| + 5u |Sₓ p_z|: one rounding in each p,
+/// two in Sₓ, one in the product, one in the difference. An edge function e = x_c y_b − y_c x_b is then wrong by E <=
+/// 2δ (X + Y + δ) + 4u X Y, where X and Y bound the coordinates.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sheared {
     x: [f64; 3],
@@ -69,8 +69,8 @@ impl Frame {
     }
 
     /// A bound on the error of the edge functions of every triangle inside of `bounds`: with M the largest coordinate
-    /// relative to the origin, δ <= 7u M and X, Y <= 2M give 72 u M² to first order; 128 is for the rest. Infinite for bounds that are
-    /// empty.
+    /// relative to the origin, δ <= 7u M and X, Y <= 2M give 72 u M² to first order; 128 is for the rest. Infinite for
+    /// bounds that are empty.
     pub(super) fn edge_error(&self, bounds: &Bounds3) -> f64 {
         let [kx, ky, kz] = [self.kx, self.ky, self.kz];
         let o = DVec3::from_array(self.origin);
@@ -141,7 +141,8 @@ impl Sheared {
     /// The barycentrics eᵢ / Σe of the second and the third vertex, and whether they are certain within 2⁻²⁴.
     ///
     /// Each is wrong by (E + 3E |bᵢ|) / (Σe − 3E) at most, 4E / Σe to first order, and by four roundings. (A bound that
-    /// rounding to f32 would hide, 2⁻²⁸, was too much: it sent every triangle 10⁵ times its size away to exact numbers.)
+    /// rounding to f32 would hide, 2⁻²⁸, was too much: it sent every triangle 10⁵ times its size away to exact
+    /// numbers.)
     #[inline(always)]
     pub(super) fn barycentrics(&self) -> ([f64; 2], bool) {
         const SAFETY: f64 = (1_u64 << 26) as f64;
@@ -153,9 +154,9 @@ impl Sheared {
 
     /// t* of a hit rounded to the nearest f32, and whether that is certain: Σ eᵢ zᵢ / Σe / d_z.
     ///
-    /// A mean of the depths Z, whose weights are wrong by 6E / (|Σe| − 3E) together, here 8E / |Σe|. The roundings: one in
-    /// each z, three in the sum of products and two in Σe, of which all terms have one sign but for what E covers; two
-    /// reciprocals, two products. Here 16u Z.
+    /// A mean of the depths Z, whose weights are wrong by 6E / (|Σe| − 3E) together, here 8E / |Σe|. The roundings: one
+    /// in each z, three in the sum of products and two in Σe, of which all terms have one sign but for what E covers;
+    /// two reciprocals, two products. Here 16u Z.
     #[inline(always)]
     pub(super) fn t(&self, rdz: f64) -> (f32, bool) {
         let ([e0, e1, e2], [z0, z1, z2]) = (self.edges, self.z);

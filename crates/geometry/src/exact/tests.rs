@@ -312,7 +312,8 @@ fn what_is_no_triangle_is_not_hit() {
     assert_eq!(t(Interval::new(1.0_f32.next_down(), 1.0_f32.next_up())), Some(1.0));
 }
 
-/// Ties that are seen without arithmetic are those that exact numbers find, and nearly equal ones are not taken for ties.
+/// Ties that are seen without arithmetic are those that exact numbers find, and nearly equal ones are not taken for
+/// ties.
 #[test]
 fn coplanar_triangles_are_hit_at_the_same_parameter() {
     let floor = [Vec3::new(-1.0, 0.25, -1.0), Vec3::new(2.0, 0.25, -1.0), Vec3::new(-1.0, 0.25, 2.0)];

@@ -58,8 +58,8 @@ impl Expansion {
 
     /// The nearest float but for a relative error of 4u, u = 2⁻⁵³; its sign is exact.
     ///
-    /// Nonadjacent terms fall by a factor of 4 at least, so the partial sums from below add up to at most twice the last
-    /// term, and this is at most twice the total: the roundings add up to at most 4u of it.
+    /// Nonadjacent terms fall by a factor of 4 at least, so the partial sums from below add up to at most twice the
+    /// last term, and this is at most twice the total: the roundings add up to at most 4u of it.
     pub(super) fn estimate(&self) -> f64 {
         self.0.iter().sum()
     }

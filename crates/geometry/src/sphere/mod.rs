@@ -77,8 +77,8 @@ impl Shape for Sphere {
         Bounds3::new(Vec3::from_array(c.map(low)), Vec3::from_array(c.map(high)))
     }
 
-    /// Decides as real arithmetic does on the f64 ray: whether, how often and in which order the ray meets the sphere. A
-    /// tangent counts once. `t` is within 0.57 ulp of the exact value.
+    /// Decides as real arithmetic does on the f64 ray: whether, how often and in which order the ray meets the sphere.
+    /// A tangent counts once. `t` is within 0.57 ulp of the exact value.
     fn visit_hits(&self, ray: &TraversalRay, mut interval: Interval, visitor: &mut dyn HitVisitor) -> Visit {
         visitor.work(Work { nodes: 0, primitives: 1 });
         let Some([t0, t1]) = Quadratic::parameters(self, ray) else { return ControlFlow::Continue(interval.t_max()) };

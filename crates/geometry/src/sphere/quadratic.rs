@@ -16,10 +16,11 @@ const PRECISE: f64 = 1.0 / (1_u64 << 28) as f64;
 /// b = −f·d, c = f·f − r² and the discriminant b² − a c = a r² − |f × d|².
 ///
 /// The second form of the discriminant does not lose its digits where the sphere is small and far away (Haines, Günther
-/// and Akenine-Möller 2019, *Precision Improvements for Ray/Sphere Intersection*, Ray Tracing Gems ch. 7, have it as the
-/// distance of the center from the line). It is computed in f64 with a bound on its error, and exactly only where that
-/// bound does not settle the matter: for rays within about 10⁻¹⁵ |f| of a tangent, and for origins within about 10⁻⁶ r
-/// of the part of the surface that the ray meets. There the equation is solved from expansions, whose signs are exact.
+/// and Akenine-Möller 2019, *Precision Improvements for Ray/Sphere Intersection*, Ray Tracing Gems ch. 7, have it as
+/// the distance of the center from the line). It is computed in f64 with a bound on its error, and exactly only where
+/// that bound does not settle the matter: for rays within about 10⁻¹⁵ |f| of a tangent, and for origins within about
+/// 10⁻⁶ r of the part of the surface that the ray meets. There the equation is solved from expansions, whose signs are
+/// exact.
 pub(super) struct Quadratic {
     a: f64,
     b: Bounded,
@@ -55,7 +56,8 @@ impl Bounded {
 }
 
 impl Quadratic {
-    /// Both parameters, in order, at which the line meets the sphere; twice the same for a tangent, and for nothing else.
+    /// Both parameters, in order, at which the line meets the sphere; twice the same for a tangent, and for nothing
+    /// else.
     ///
     /// The decision is exact, and so are the signs. A parameter that is not negative is correct to [`PRECISE`]. `None`
     /// too where both are negative. Exact means: of the f64 ray, whose components are zero or at least 2⁻²⁰⁰.
@@ -72,9 +74,9 @@ impl Quadratic {
     ///
     /// With u = 2⁻⁵³ and to first order: a component of f is wrong by u of itself, one of f × d by 3u of its size Mᵢ =
     /// |fⱼ dₖ| + |fₖ dⱼ|. Then a is wrong by 3u a; b by 4u Σ |fᵢ dᵢ|; c by 5u f·f + u r² and u c of its own; |f × d|² by
-    /// 6u Σ |f × d|ᵢ Mᵢ from its components, 9u² Σ Mᵢ² ≤ 18u² (f·f) a of second order, and 3u of its own; a r² by 4u; the
-    /// difference by u of both. The bounds below have at least one u more of everything, for terms of higher order and
-    /// for their own roundings. Underflow adds at most 2⁻¹⁰⁷³ a term; a r² is at least 2⁻⁵⁹⁶.
+    /// 6u Σ |f × d|ᵢ Mᵢ from its components, 9u² Σ Mᵢ² ≤ 18u² (f·f) a of second order, and 3u of its own; a r² by 4u;
+    /// the difference by u of both. The bounds below have at least one u more of everything, for terms of higher order
+    /// and for their own roundings. Underflow adds at most 2⁻¹⁰⁷³ a term; a r² is at least 2⁻⁵⁹⁶.
     #[inline]
     fn in_f64(sphere: &Sphere, ray: &TraversalRay) -> (Self, DVec3) {
         let (f, d) = (ray.origin64() - sphere.center.as_dvec3(), ray.direction64());
@@ -96,8 +98,9 @@ impl Quadratic {
         (equation, cross)
     }
 
-    /// Whether [`roots`](Self::roots) are as good as promised. They are q/a and c/q with q = ±(|b| + √D): |q| is wrong by
-    /// at most δb + δD/√D, and the root that uses c has the sign of c q, hence does not matter where that is negative.
+    /// Whether [`roots`](Self::roots) are as good as promised. They are q/a and c/q with q = ±(|b| + √D): |q| is wrong
+    /// by at most δb + δD/√D, and the root that uses c has the sign of c q, hence does not matter where that is
+    /// negative.
     #[inline]
     fn is_precise(&self) -> bool {
         let Self { b, c, discriminant, .. } = self;
@@ -124,12 +127,13 @@ impl Quadratic {
     }
 
     /// The first or the second point of the line on the sphere: from the center by the foot of the perpendicular,
-    /// d × (f × d) / a, and by √D d / a along the line from there. Both are at most r long, however far away the ray began.
+    /// d × (f × d) / a, and by √D d / a along the line from there. Both are at most r long, however far away the ray
+    /// began.
     ///
-    /// f × d is wrong by 3u |M| ≤ 3u √(2 (f·f) a), the foot by 5u |f| from that and 8u r of its own; √D by δD/√D, its term
-    /// by 6u r of its own; the sum by u r: together at most 5u |f| + 15u r + δD / √(a D). Where f32 might see that, the
-    /// equation is set up exactly: foot and term are then rounded from exact values, to 9u r each. And then o + t d is the
-    /// better point where it is near to the origin of the ray, beside the radius: t is correct to 10u.
+    /// f × d is wrong by 3u |M| ≤ 3u √(2 (f·f) a), the foot by 5u |f| from that and 8u r of its own; √D by δD/√D, its
+    /// term by 6u r of its own; the sum by u r: together at most 5u |f| + 15u r + δD / √(a D). Where f32 might see
+    /// that, the equation is set up exactly: foot and term are then rounded from exact values, to 9u r each. And then o
+    /// + t d is the better point where it is near to the origin of the ray, beside the radius: t is correct to 10u.
     pub(super) fn point(sphere: &Sphere, ray: &TraversalRay, second: bool) -> Point {
         let (center, o, d) = (sphere.center.as_dvec3(), ray.origin64(), ray.direction64());
         let (r, sign) = (f64::from(sphere.radius), if second { 1.0 } else { -1.0 });

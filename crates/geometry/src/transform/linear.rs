@@ -15,8 +15,8 @@ pub(crate) fn multiply3(a: &DMat3, b: &DMat3) -> DMat3 {
     DMat3::from_cols(apply3(a, b.x_axis), apply3(a, b.y_axis), apply3(a, b.z_axis))
 }
 
-/// The inverse by cofactors; of a permutation, mirroring or power-of-two scaling exactly. `None` where a column scale or
-/// the determinant is zero. Columns are scaled to a largest entry in [1, 2) first, so that nothing overflows.
+/// The inverse by cofactors; of a permutation, mirroring or power-of-two scaling exactly. `None` where a column scale
+/// or the determinant is zero. Columns are scaled to a largest entry in [1, 2) first, so that nothing overflows.
 pub(super) fn inverse(m: &DAffine3) -> Option<DAffine3> {
     let columns = [m.matrix3.x_axis, m.matrix3.y_axis, m.matrix3.z_axis];
     let scales = columns.map(|c| {

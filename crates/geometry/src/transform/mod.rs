@@ -52,8 +52,8 @@ impl Transform {
     /// The map `p ↦ linear · p + translation`.
     ///
     /// # Errors
-    /// [`TransformError::NotFinite`]; [`TransformError::Singular`] where the inverse is not finite, or `matrix · inverse`
-    /// differs from the identity by more than 2⁻²⁰ in an entry (a condition number beyond about 2³⁰).
+    /// [`TransformError::NotFinite`]; [`TransformError::Singular`] where the inverse is not finite, or `matrix ·
+    /// inverse` differs from the identity by more than 2⁻²⁰ in an entry (a condition number beyond about 2³⁰).
     pub fn from_affine(matrix: DAffine3) -> Result<Self, TransformError> {
         if !matrix.is_finite() {
             return Err(TransformError::NotFinite);
@@ -196,10 +196,12 @@ impl Transform {
         )
     }
 
-    /// For each axis a bound on how far the object-space image of `ray`, carried back exactly, lies from the ray at `t`.
+    /// For each axis a bound on how far the object-space image of `ray`, carried back exactly, lies from the ray at
+    /// `t`.
     ///
-    /// With R = M M⁻¹ − 1 of the inverse that there is, and u = 2⁻⁵³: (|R| + 16u |M| |M⁻¹|) (|o| + t |d|), and the same of
-    /// the translations. R is computed, with an error of at most 4u |M| |M⁻¹|; the ray's own image has four roundings.
+    /// With R = M M⁻¹ − 1 of the inverse that there is, and u = 2⁻⁵³: (|R| + 16u |M| |M⁻¹|) (|o| + t |d|), and the same
+    /// of the translations. R is computed, with an error of at most 4u |M| |M⁻¹|; the ray's own image has four
+    /// roundings.
     pub fn ray_deviation(&self, ray: &TraversalRay, t: f64) -> DVec3 {
         let x = ray.origin64().abs() + t * ray.direction64().abs();
         let residual = multiply3(&self.matrix.matrix3, &self.inverse.matrix3) - DMat3::IDENTITY;

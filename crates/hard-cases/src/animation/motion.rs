@@ -45,8 +45,8 @@ pub(super) fn times(random: &mut Random, start: f32, end: f32, count: usize) -> 
     times
 }
 
-/// The times, from 0 to 1, at which a coordinate of `x` is extreme while it turns by `degrees` around `axis` through the
-/// origin.
+/// The times, from 0 to 1, at which a coordinate of `x` is extreme while it turns by `degrees` around `axis` through
+/// the origin.
 pub(super) fn extremes(degrees: f64, axis: DVec3, x: DVec3) -> Vec<f32> {
     let a = axis.normalize();
     let (cos, sin) = (x - a * a.dot(x), a.cross(x));

@@ -18,7 +18,8 @@ fn moving(random: &mut Random) -> Option<AnimatedTransform> {
 }
 
 /// A08: a mesh that moves in a space that moves, or stands in one, or that stands in one that moves in one that moves:
-/// at each time its answers are those of an instance that stands where they carry it then, held against exact arithmetic.
+/// at each time its answers are those of an instance that stands where they carry it then, held against exact
+/// arithmetic.
 pub(super) fn nested(run: &Run) -> Outcome {
     in_parallel(run, 208, run.effort.pick(120, 600_000), |number, random, trials| {
         let Some(mesh) = bumpy(random, Vec3::ZERO, 1.0) else { return };

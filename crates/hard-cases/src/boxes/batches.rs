@@ -13,9 +13,9 @@ use crate::{Aim, Outcome, Random, Run};
 /// Rays to a batch.
 const BATCH: usize = 512;
 
-/// Batches of different rays, of copies of one, of rays from one point to neighbouring vertices, which go together, and with
-/// what is no ray or no interval between them, in a tree so large that others are interleaved and in a small one: each ray is
-/// answered as alone.
+/// Batches of different rays, of copies of one, of rays from one point to neighbouring vertices, which go together, and
+/// with what is no ray or no interval between them, in a tree so large that others are interleaved and in a small one:
+/// each ray is answered as alone.
 pub(super) fn independent(run: &Run) -> Outcome {
     let try_all = || -> Fallible<Findings> {
         let mut random = Random::new(run.seed, 124);

@@ -13,8 +13,8 @@ fn denormal_number(random: &mut Random) -> f32 {
     if random.below(2) == 0 { magnitude } else { -magnitude }
 }
 
-/// S06: some components of the direction, or all, are denormal: rays within closed boxes and spheres do not leak, and hit
-/// what they should.
+/// S06: some components of the direction, or all, are denormal: rays within closed boxes and spheres do not leak, and
+/// hit what they should.
 pub(super) fn denormal(run: &Run) -> Outcome {
     let mut tries = Tries::new();
     let mut random = Random::new(run.seed, 106);

@@ -7,9 +7,9 @@ use super::judge::Judge;
 use crate::build::meshes::cuboid;
 use crate::{Outcome, Random, Run, Tries};
 
-/// S04: no box test and no closed box loses a ray. Three ways to graze: boxes alone, against integers; closed boxes from
-/// within, at their corners and edges; and closed boxes with long edges, where the ray passes close to an edge whose ends
-/// are far away.
+/// S04: no box test and no closed box loses a ray. Three ways to graze: boxes alone, against integers; closed boxes
+/// from within, at their corners and edges; and closed boxes with long edges, where the ray passes close to an edge
+/// whose ends are far away.
 pub(super) fn corners_and_edges(run: &Run) -> Outcome {
     let mut tries = Tries::new();
     boxes_alone(&mut tries, run);

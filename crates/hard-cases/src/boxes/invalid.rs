@@ -33,8 +33,8 @@ pub(super) fn rays(_: &Run) -> Outcome {
     tries.outcome()
 }
 
-/// S15: the empty box, which stands for every child that is not there, is entered by no ray, however far it reaches; and
-/// a scene of inactive triangles is hit by none.
+/// S15: the empty box, which stands for every child that is not there, is entered by no ray, however far it reaches;
+/// and a scene of inactive triangles is hit by none.
 pub(super) fn empty_boxes(run: &Run) -> Outcome {
     let mut tries = Tries::new();
     let mut random = Random::new(run.seed, 115);

@@ -1,6 +1,7 @@
 //! **S**: rays, boxes and traversal.
 //!
-//! Flushing denormal numbers to zero is not tried in S06, since the mode of the processor cannot be set without `unsafe`.
+//! Flushing denormal numbers to zero is not tried in S06, since the mode of the processor cannot be set without
+//! `unsafe`.
 
 mod batches;
 mod directions;
@@ -50,8 +51,8 @@ pub(crate) const CASES: &[Case] = &[
     Case { id: "S24", title: "rays of a batch do not know of each other", run: batches::independent },
 ];
 
-/// Runs `cases` on a subject, and fails with what each of them says that does not pass, but for those of `open`, which must
-/// fail.
+/// Runs `cases` on a subject, and fails with what each of them says that does not pass, but for those of `open`, which
+/// must fail.
 #[cfg(test)]
 pub(crate) fn assert_passes(subject: &dyn crate::Subject, cases: &[Case], open: &[(&str, &str)]) {
     use crate::{Effort, Run};

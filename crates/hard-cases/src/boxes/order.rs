@@ -12,7 +12,8 @@ use crate::build::sweep::{configs, depth, rays_at, tree_over};
 use crate::build::{cascades, small_meshes};
 use crate::{Outcome, Random, Run, Tries};
 
-/// S14: rays from the end of a cascade where its primitives crowd, which put as many nodes on the stack as there can be.
+/// S14: rays from the end of a cascade where its primitives crowd, which put as many nodes on the stack as there can
+/// be.
 pub(super) fn deep_trees(run: &Run) -> Outcome {
     let mut tries = Tries::new();
     let mut random = Random::new(run.seed, 114);
@@ -37,7 +38,8 @@ pub(super) fn deep_trees(run: &Run) -> Outcome {
     tries.outcome()
 }
 
-/// S19: large triangles through each other, so that the box that is entered first often has the hit that does not count.
+/// S19: large triangles through each other, so that the box that is entered first often has the hit that does not
+/// count.
 pub(super) fn overlapping(run: &Run) -> Outcome {
     let mut tries = Tries::new();
     let mut random = Random::new(run.seed, 119);

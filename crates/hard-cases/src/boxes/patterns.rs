@@ -22,8 +22,8 @@ const ALL: u64 = 1 << 32;
 /// How many are done between two reports of progress.
 const CHUNK: u64 = 1 << 20;
 
-/// S22: one of the eight fields takes all 2³² values, while the others are those of a ray that hits a box of 12 triangles;
-/// in quick runs one value of each of 2¹³ stretches, and those around every power of two.
+/// S22: one of the eight fields takes all 2³² values, while the others are those of a ray that hits a box of 12
+/// triangles; in quick runs one value of each of 2¹³ stretches, and those around every power of two.
 pub(super) fn one_field<const FIELD: usize>(run: &Run) -> Outcome {
     let mut random = Random::new(run.seed, 122);
     let base: Fields = [
@@ -75,8 +75,8 @@ pub(super) fn any_bits(run: &Run) -> Outcome {
     })
 }
 
-/// Has `work` done for all numbers of 32 bits, on all threads and with reports of progress; in quick runs for one of each of
-/// `stretches`, and those around each change of the exponent.
+/// Has `work` done for all numbers of 32 bits, on all threads and with reports of progress; in quick runs for one of
+/// each of `stretches`, and those around each change of the exponent.
 fn in_chunks(
     run: &Run,
     stretches: u64,
@@ -105,7 +105,8 @@ fn in_chunks(
     all.into_iter().fold(tries, Tries::and).outcome()
 }
 
-/// A ray is refused where it must be; else it is answered as by the list of triangles, closest and any hit, without NaN.
+/// A ray is refused where it must be; else it is answered as by the list of triangles, closest and any hit, without
+/// NaN.
 fn answers_as_the_list(judge: &Judge, tries: &mut Tries, fields: &Fields, what: impl Fn() -> &'static str) {
     let [ox, oy, oz, dx, dy, dz, t_min, t_max] = *fields;
     let ray = Ray::new([ox, oy, oz], [dx, dy, dz]);

@@ -32,9 +32,9 @@ impl Subject for Compact {
     }
 }
 
-/// Tiny triangles at distances of 10⁻³ to 10⁶ from the origin, near which they are 10⁻³ large and farther away as small as
-/// f32 has them: boxes span up to 10⁹ times what is in them. From within and from up to 10⁹ away, answers are the exact
-/// ones.
+/// Tiny triangles at distances of 10⁻³ to 10⁶ from the origin, near which they are 10⁻³ large and farther away as small
+/// as f32 has them: boxes span up to 10⁹ times what is in them. From within and from up to 10⁹ away, answers are the
+/// exact ones.
 pub(super) fn boxes(run: &Run) -> Outcome {
     let mesh = |random: &mut Random| {
         let triangles = (0..run.effort.pick(3_000, 300_000)).map(|_| {

@@ -85,8 +85,8 @@ fn different_shapes(tries: &mut Tries) {
     }
 }
 
-/// S18: tilted copies of a triangle, each an ulp from the one before. Which of them is hit is told right where t, rounded
-/// once, can tell; how often it cannot is a figure.
+/// S18: tilted copies of a triangle, each an ulp from the one before. Which of them is hit is told right where t,
+/// rounded once, can tell; how often it cannot is a figure.
 pub(super) fn near(run: &Run) -> Outcome {
     let mut tries = Tries::new();
     let mut random = Random::new(run.seed, 118);

@@ -5,8 +5,8 @@ use geometry::TriangleMesh;
 use super::meshes;
 use crate::Random;
 
-/// Meshes of `n` triangles, or nearly, for each kind of hard input, with the case that it is of: none should take a builder much
-/// longer than the first, which is uniform. The small ones of the cases are repeated.
+/// Meshes of `n` triangles, or nearly, for each kind of hard input, with the case that it is of: none should take a
+/// builder much longer than the first, which is uniform. The small ones of the cases are repeated.
 pub fn adversarial_meshes(n: usize, seed: u64) -> Vec<(&'static str, TriangleMesh)> {
     let mut random = Random::new(seed, 0);
     let random = &mut random;

@@ -63,7 +63,8 @@ pub(super) fn many_concentric(run: &Run) -> Outcome {
     tries.outcome()
 }
 
-/// B05: as many coincident primitives as 8 and 16 bits can count, and one more or less, where the leaf may have as many.
+/// B05: as many coincident primitives as 8 and 16 bits can count, and one more or less, where the leaf may have as
+/// many.
 pub(super) fn counts_of_leaves(run: &Run) -> Outcome {
     let mut tries = Tries::new();
     let at = Bounds3::new(Vec3::splat(-1.0), Vec3::splat(1.0));

@@ -40,8 +40,8 @@ pub(crate) fn rays_at(mesh: &TriangleMesh, count: usize, random: &mut Random) ->
         .collect()
 }
 
-/// Builds `mesh` by every split method and with the leaf sizes, and checks each tree, its answers to `rays` and those of
-/// the wide trees that it is collapsed to, and those of the subject.
+/// Builds `mesh` by every split method and with the leaf sizes, and checks each tree, its answers to `rays` and those
+/// of the wide trees that it is collapsed to, and those of the subject.
 pub(crate) fn sweep(tries: &mut Tries, run: &Run, name: &str, mesh: TriangleMesh, rays: &[Ray], leaves: &[u32]) {
     let mesh = Arc::new(mesh);
     let (expected, exact) = (expected(&*mesh, rays), expected(&ExactTriangles::new(Arc::clone(&mesh)), rays));

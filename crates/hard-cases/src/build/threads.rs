@@ -43,8 +43,8 @@ pub(super) fn any_number(run: &Run) -> Outcome {
 const STACK: usize = 64 << 10;
 
 /// The stack of the pool's threads. Waiting for one half of a node, a thread of rayon works on other nodes, on the same
-/// stack: 64 KiB are too few, and overflow with 12 600 primitives in a cascade; 128 KiB overflow with 210 000; 256 KiB do
-/// for both.
+/// stack: 64 KiB are too few, and overflow with 12 600 primitives in a cascade; 128 KiB overflow with 210 000; 256 KiB
+/// do for both.
 const POOL_STACK: usize = 512 << 10;
 
 /// B26: builds and traversals of the deepest trees with little stack. An overflow would end the process.

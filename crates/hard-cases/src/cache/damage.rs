@@ -149,8 +149,8 @@ pub(super) fn other_versions(run: &Run) -> Outcome {
     tries.outcome()
 }
 
-/// X09: every count and length of the header beyond all memory, with the header's sum right. What is allocated meanwhile is
-/// measured by a test in a process of its own.
+/// X09: every count and length of the header beyond all memory, with the header's sum right. What is allocated
+/// meanwhile is measured by a test in a process of its own.
 pub(super) fn huge_counts(run: &Run) -> Outcome {
     let mut tries = Tries::new();
     let mesh = small_mesh(&mut Random::new(run.seed, 709));

@@ -48,8 +48,8 @@ pub(super) fn no_cache_file(run: &Run) -> Outcome {
     tries.outcome()
 }
 
-/// X10: two writers and a reader of one file: every load has one of the trees, whole. Then paths at which nothing can be
-/// written, and files that are replaced. (A full disk and a kill during the write are tests of the runner.)
+/// X10: two writers and a reader of one file: every load has one of the trees, whole. Then paths at which nothing can
+/// be written, and files that are replaced. (A full disk and a kill during the write are tests of the runner.)
 pub(super) fn writers(run: &Run) -> Outcome {
     let mut tries = Tries::new();
     let mesh = small_mesh(&mut Random::new(run.seed, 710));

@@ -1,4 +1,5 @@
-//! Makes the sums of a cache file right again after something was changed in it: by FORMAT.md, not by the library's own code.
+//! Makes the sums of a cache file right again after something was changed in it: by FORMAT.md, not by the library's own
+//! code.
 
 use xxhash_rust::xxh3::xxh3_128;
 
@@ -19,8 +20,8 @@ fn sum_of_pieces(bytes: &[u8]) -> u128 {
     xxh3_128(&sums)
 }
 
-/// Makes right the sums of the sections where those are inside of the file, the options key, and the sum of the header; what is
-/// shorter than a header has none.
+/// Makes right the sums of the sections where those are inside of the file, the options key, and the sum of the header;
+/// what is shorter than a header has none.
 pub fn reseal(file: &mut [u8]) {
     if file.len() < HEADER {
         return;

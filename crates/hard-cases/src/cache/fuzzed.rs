@@ -1,5 +1,5 @@
-//! What is done with bytes that a fuzzer made up: this file is compiled into the fuzz target, and into the tests for the
-//! input that it found.
+//! What is done with bytes that a fuzzer made up: this file is compiled into the fuzz target, and into the tests for
+//! the input that it found.
 
 use std::sync::{Arc, OnceLock};
 
@@ -28,8 +28,8 @@ pub fn mesh() -> TriangleMesh {
     TriangleMesh::new(positions, triangles).unwrap_or_else(|error| panic!("the mesh of the fuzzer: {error}"))
 }
 
-/// Loads `data` as a file over [`mesh`] with right sums and the right key. A tree that is accepted must give the hits of the
-/// mesh.
+/// Loads `data` as a file over [`mesh`] with right sums and the right key. A tree that is accepted must give the hits
+/// of the mesh.
 pub fn check(data: &[u8]) {
     static ANSWERS: OnceLock<Answers> = OnceLock::new();
     let answers = ANSWERS.get_or_init(Answers::new);

@@ -62,7 +62,8 @@ impl Node {
         (0..8).map(word).rfind(|&word| file.get(word) != 0 && file.get(word) & LEAF == 0).unwrap_or_default()
     }
 
-    /// The word where the leaf begins that comes first under the node or under its first descendants, and its triangles.
+    /// The word where the leaf begins that comes first under the node or under its first descendants, and its
+    /// triangles.
     fn leaf(self, file: &Words) -> (usize, usize) {
         let leaf = self.with_leaf(file).first(file, true).1;
         (ARENA + LINE * (leaf & 0x0fff_ffff) as usize, (leaf >> 28 & 7) as usize + 1)
@@ -205,8 +206,8 @@ fn named(tries: &mut Tries, mesh: &Arc<TriangleMesh>, layout: WideLayout) {
     }
 }
 
-/// Any bit of the sections may be flipped: either the tree is refused, or it answers as if nothing had happened, as where a
-/// box became larger inside of that above.
+/// Any bit of the sections may be flipped: either the tree is refused, or it answers as if nothing had happened, as
+/// where a box became larger inside of that above.
 fn flips(run: &Run, mesh: &Arc<TriangleMesh>, layout: TreeLayout, random: &mut Random) -> Tries {
     let mut tries = Tries::new();
     let rays = rays_at(mesh, 40, random);

@@ -12,8 +12,8 @@ use crate::build::sweep::{answers, expected, rays_at};
 use crate::exact_triangles::ExactTriangles;
 use crate::{Outcome, Random, Run, Tries};
 
-/// X01: every kind of mesh, in every layout and by every split method: the same bytes when saved again, the same bytes in
-/// files, and the answers of exact arithmetic.
+/// X01: every kind of mesh, in every layout and by every split method: the same bytes when saved again, the same bytes
+/// in files, and the answers of exact arithmetic.
 pub(super) fn round_trip(run: &Run) -> Outcome {
     let mut tries = Tries::new();
     let mut random = Random::new(run.seed, 701);
@@ -97,8 +97,8 @@ pub(super) fn any_address(run: &Run) -> Outcome {
     tries.outcome()
 }
 
-/// X12: a tree from a file answers the same bits on every instruction set. That a tree made elsewhere loads here is shown
-/// by the golden files of the integration tests.
+/// X12: a tree from a file answers the same bits on every instruction set. That a tree made elsewhere loads here is
+/// shown by the golden files of the integration tests.
 pub(super) fn all_widths(run: &Run) -> Outcome {
     let mut tries = Tries::new();
     let mut random = Random::new(run.seed, 712);

@@ -84,7 +84,8 @@ fn with_gap(mut file: Words, depth: usize, line: usize) -> Words {
 /// Where the arena begins, in words.
 const HEADER: usize = 128;
 
-/// A file with the first `depth` triangles of a mesh, in which each node has a triangle and the next node; the last has two.
+/// A file with the first `depth` triangles of a mesh, in which each node has a triangle and the next node; the last has
+/// two.
 fn chain(mesh: &Arc<TriangleMesh>, depth: usize) -> Words {
     let lines = 5 * (depth - 1) + 1 + 9;
     // The header of some tree over the mesh, of which only counts and lengths are other ones.

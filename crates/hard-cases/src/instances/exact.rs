@@ -10,8 +10,8 @@ use super::placed::{Placed, bumpy, mesh_primitive};
 use crate::spheres::in_parallel;
 use crate::{Outcome, Run};
 
-/// I01: the identity, exchanges and mirrorings of the axes, and scales by powers of two. Hits, points and the answers of
-/// any-hit are those of the mesh with transformed vertices.
+/// I01: the identity, exchanges and mirrorings of the axes, and scales by powers of two. Hits, points and the answers
+/// of any-hit are those of the mesh with transformed vertices.
 pub(super) fn bit_identical(run: &Run) -> Outcome {
     in_parallel(run, 101, run.effort.pick(300, 3_000_000), |number, random, trials| {
         let mut axes = DVec3::AXES;

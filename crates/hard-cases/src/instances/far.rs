@@ -9,10 +9,12 @@ use crate::triangles::far::triangle_on_ray;
 use crate::triangles::generate::soup;
 use crate::{Outcome, Random, Run};
 
-/// I20: rays that f64 holds exactly in the mesh's space and f32 does not, from 2²² to 2³⁶ sizes away. Nothing is excused.
+/// I20: rays that f64 holds exactly in the mesh's space and f32 does not, from 2²² to 2³⁶ sizes away. Nothing is
+/// excused.
 ///
-/// Of the wide tree's filter of triangles, the error of the rounded origin covers the product of two errors, and the other
-/// way round: without either of them all passes, without both 230 of the 20 000 quick trials fail (by hand, 2026-11-25).
+/// Of the wide tree's filter of triangles, the error of the rounded origin covers the product of two errors, and the
+/// other way round: without either of them all passes, without both 230 of the 20 000 quick trials fail (by hand,
+/// 2026-11-25).
 pub(super) fn small_triangles(run: &Run) -> Outcome {
     in_parallel(run, 120, run.effort.pick(400, 300_000), |number, random, trials| {
         // Maps whose inverses f64 holds.

@@ -1,5 +1,5 @@
-//! Instances: every decision is the exact one, but for rays nearer to an edge than the local ray is known in f32; bounds
-//! hold, and boxes contain.
+//! Instances: every decision is the exact one, but for rays nearer to an edge than the local ray is known in f32;
+//! bounds hold, and boxes contain.
 
 mod boxes;
 mod ellipsoid;

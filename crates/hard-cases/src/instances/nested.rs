@@ -18,7 +18,8 @@ fn chain(random: &mut Random, depth: usize, distance: f64) -> Vec<Transform> {
     (0..depth).filter_map(level).collect()
 }
 
-/// I09: 1 to 64 levels, up to 10³ apart. The point, before it is rounded, is off by at most 0.1 ulp of f32 for each level.
+/// I09: 1 to 64 levels, up to 10³ apart. The point, before it is rounded, is off by at most 0.1 ulp of f32 for each
+/// level.
 pub(super) fn deep(run: &Run) -> Outcome {
     in_parallel(run, 109, run.effort.pick(70, 1_000_000), |number, random, trials| {
         let depth = 1 << (number % 7);

@@ -174,8 +174,8 @@ impl Placed {
         }
     }
 
-    /// Holds the closest hit of a ray against the exact one without any allowance, where f64 holds the ray in the mesh's
-    /// space exactly; whether it hits. That there is a ray which it does not hold is a failure, too.
+    /// Holds the closest hit of a ray against the exact one without any allowance, where f64 holds the ray in the
+    /// mesh's space exactly; whether it hits. That there is a ray which it does not hold is a failure, too.
     pub(super) fn judge_strictly(&self, trials: &mut Trials, ray: &Ray) -> bool {
         let Some(traversal) = TraversalRay::new(ray) else { return false };
         let rays = self.rays(&traversal);

@@ -70,8 +70,8 @@ impl Scenery<'_> {
 
     /// A trial: the spawned ray hits no triangle whose plane is not ahead of the exact point, the departed triangle and
     /// those in its plane among them. Two things the spawned ray cannot avoid, since f32 has no place for its origin at
-    /// the exact point, and they are counted instead: where it starts beyond another surface (a tunnel), and where it meets
-    /// another one, further away than its origin was moved, edge-on (a graze).
+    /// the exact point, and they are counted instead: where it starts beyond another surface (a tunnel), and where it
+    /// meets another one, further away than its origin was moved, edge-on (a graze).
     pub(super) fn judge_acne(
         &self,
         from: &Departure,
@@ -91,8 +91,8 @@ impl Scenery<'_> {
         hit
     }
 
-    /// Where the plane of the triangle is, seen from `p` along `direction`. A `p` within 2⁻⁴⁴ of the plane, relative to the
-    /// coordinates, is in it: that is less than 2⁻²⁰ of the spacing of f32.
+    /// Where the plane of the triangle is, seen from `p` along `direction`. A `p` within 2⁻⁴⁴ of the plane, relative to
+    /// the coordinates, is in it: that is less than 2⁻²⁰ of the spacing of f32.
     fn side(&self, p: DVec3, direction: DVec3, primitive: u64) -> Side {
         let v = (self.vertices)(primitive);
         let n = normal(&v);
@@ -114,7 +114,8 @@ impl Scenery<'_> {
     }
 }
 
-/// Where a plane is, seen from a point along a direction: the half-line meets it, or starts in it, or leads away from it.
+/// Where a plane is, seen from a point along a direction: the half-line meets it, or starts in it, or leads away from
+/// it.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Side {
     Ahead,

@@ -99,8 +99,8 @@ fn r04(run: &Run) -> Outcome {
     }))
 }
 
-/// From a hit on a surface to a hit on the same or another side of it, both ends moved off: what stands between the ends
-/// is neither of the two, nor anything that touches them.
+/// From a hit on a surface to a hit on the same or another side of it, both ends moved off: what stands between the
+/// ends is neither of the two, nor anything that touches them.
 fn r06(run: &Run) -> Outcome {
     let ray_to = |specimen: &Specimen, random: &mut Random| {
         let bounds = specimen.shape.object_bound();

@@ -10,9 +10,9 @@ use crate::{Case, Outcome, Random, Run};
 
 pub(super) const T25: Case = Case { id: "T25", title: "triangles 2^20 to 2^44 times their size away", run: t25 };
 
-/// A triangle of about `size` near `at`, a point on the ray, which passes through its inside, at an edge, or at a vertex. In
-/// three of four the vertices lie on either side of where f32 rounds a coordinate relative to the origin up or down, a step
-/// that is larger than the triangle; else they are in one place for f32.
+/// A triangle of about `size` near `at`, a point on the ray, which passes through its inside, at an edge, or at a
+/// vertex. In three of four the vertices lie on either side of where f32 rounds a coordinate relative to the origin up
+/// or down, a step that is larger than the triangle; else they are in one place for f32.
 pub(crate) fn triangle_on_ray([origin, direction]: [DVec3; 2], at: DVec3, size: f64, random: &mut Random) -> [Vec3; 3] {
     let axis = random.below(3);
     let mut along = 0.0;
@@ -33,10 +33,10 @@ pub(crate) fn triangle_on_ray([origin, direction]: [DVec3; 2], at: DVec3, size: 
     [a, a + b, a + c].map(|p| p.as_vec3())
 }
 
-/// Sixteen triangles around the origin, each with a ray at it from 2²⁰ to 2⁴⁴ sizes away. The way is a power of two, so that
-/// f32 holds an origin from which the ray passes through zero exactly: what is wrong is what the kernel rounds. (Without the
-/// product of two errors in the wide tree's filter of triangles 646 of the quick trials fail; `tests/mutations.rs` has that
-/// bound in a filter of its own.)
+/// Sixteen triangles around the origin, each with a ray at it from 2²⁰ to 2⁴⁴ sizes away. The way is a power of two, so
+/// that f32 holds an origin from which the ray passes through zero exactly: what is wrong is what the kernel rounds.
+/// (Without the product of two errors in the wide tree's filter of triangles 646 of the quick trials fail;
+/// `tests/mutations.rs` has that bound in a filter of its own.)
 fn t25(run: &Run) -> Outcome {
     let view = |random: &mut Random, findings: &mut Findings| -> Fallible<()> {
         let far = 2.0_f32.powi(random.below(55) as i32 - 20);

@@ -17,8 +17,8 @@ pub(super) fn spiky_sphere(
     meshes::uv_sphere(size - 1, size, |_| radius(random.unit()))
 }
 
-/// A closed twisted ribbon along the x axis, `length` long: `rings` triangles of the circumradius 1, each turned against
-/// the one before, with capped ends.
+/// A closed twisted ribbon along the x axis, `length` long: `rings` triangles of the circumradius 1, each turned
+/// against the one before, with capped ends.
 pub(super) fn needle(length: f64, rings: usize) -> Result<TriangleMesh, MeshError> {
     // A third of a turn from corner to corner, an angle with the cosine 12/13 from ring to ring.
     let (third, twist) = (DVec2::new(-0.5, 0.75_f64.sqrt()), DVec2::new(12.0 / 13.0, 5.0 / 13.0));

@@ -32,7 +32,8 @@ fn all_hits(specimen: &Specimen, ray: &Ray) -> (Vec<u64>, bool) {
 }
 
 /// A trial: all hits are the exact ones, each once. Triangles whose edge the ray passes nearby may be there or not,
-/// unless the subject is exact, and are counted where they differ. Returns the hits, and whether all of them are far from edges.
+/// unless the subject is exact, and are counted where they differ. Returns the hits, and whether all of them are far
+/// from edges.
 fn judge_list(specimen: &Specimen, ray: &Ray, findings: &mut Findings) -> (Vec<u64>, bool) {
     let (found, is_once) = all_hits(specimen, ray);
     let hits = specimen.oracle.all_hits(ray, Interval::FULL, &mut Tally::default());

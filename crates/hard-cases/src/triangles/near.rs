@@ -173,8 +173,8 @@ fn t20(run: &Run) -> Outcome {
     }))
 }
 
-/// Large triangles in whose plane the origin nearly lies, so that they reach from behind it to before it, with edges and
-/// vertices near the ray; among sheets that lie truly behind or before.
+/// Large triangles in whose plane the origin nearly lies, so that they reach from behind it to before it, with edges
+/// and vertices near the ray; among sheets that lie truly behind or before.
 fn t24(run: &Run) -> Outcome {
     let mut random = Random::new(run.seed, 0x7180);
     let sizes = [1.0, 1e2, 1e4, 1e6];

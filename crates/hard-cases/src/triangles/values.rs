@@ -12,8 +12,8 @@ use crate::{Aim, Case, Outcome, Random, Run, aimed_rays};
 pub(super) const T08: Case = Case { id: "T08", title: "skinny triangles, grazed at 0.01 to 1 degree", run: t08 };
 pub(super) const T16: Case = Case { id: "T16", title: "t, barycentrics and hit points", run: t16 };
 
-/// The shape of Embree's issue 387: edges of 11.2, 9.7 and 1.4, seen from 600 away under half a degree, where its robust
-/// mode reported a hit at t = 12291; and variations of it. No t lies beyond the triangle's own vertices.
+/// The shape of Embree's issue 387: edges of 11.2, 9.7 and 1.4, seen from 600 away under half a degree, where its
+/// robust mode reported a hit at t = 12291; and variations of it. No t lies beyond the triangle's own vertices.
 fn t08(run: &Run) -> Outcome {
     let mut random = Random::new(run.seed, 0x7080);
     let count = run.effort.pick(300, 3_000);

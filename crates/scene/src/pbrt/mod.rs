@@ -2,8 +2,8 @@
 //!
 //! Read: transforms (still and moving), attributes, objects and their instances, trianglemesh, plymesh, loopsubdiv (its
 //! control cage) and sphere, materials, area lights and media as names, the perspective camera, Include and Import.
-//! Every other directive is skipped with its parameters and one warning for each name, which says where it stands and what
-//! may have been meant if it is none of the format's; what does not even have the form of pbrt is an error.
+//! Every other directive is skipped with its parameters and one warning for each name, which says where it stands and
+//! what may have been meant if it is none of the format's; what does not even have the form of pbrt is an error.
 //!
 //! Sources: Pharr, Jakob and Humphreys, *Physically Based Rendering*, appendix C (4th edition; B in the 3rd), and the
 //! format's references, pbrt.org/fileformat-v3 and pbrt.org/fileformat-v4. As there, Transform lists its matrix by

@@ -152,8 +152,8 @@ impl World {
             return Ok(());
         };
         warnings.into_iter().for_each(|warning| self.warn(warning));
-        // A mirroring leaves a sphere's outside outside, as that of a mesh. (pbrt flips the normal in object space, from
-        // where the inverse transpose keeps it on its side, so that there a mirrored sphere is inside out.)
+        // A mirroring leaves a sphere's outside outside, as that of a mesh. (pbrt flips the normal in object space,
+        // from where the inverse transpose keeps it on its side, so that there a mirrored sphere is inside out.)
         let media = match (&shape, state.reverse_orientation) {
             (ObjectShape::Sphere { .. }, true) => {
                 self.warn("ReverseOrientation of a sphere swaps its media; its normal points outward still");
@@ -178,8 +178,8 @@ impl World {
         Ok(())
     }
 
-    /// A directive that is none of `known`: warns of the first of each name, which may be a misspelling that changes the
-    /// scene.
+    /// A directive that is none of `known`: warns of the first of each name, which may be a misspelling that changes
+    /// the scene.
     pub(super) fn unknown_directive(&mut self, here: Here<'_>, name: &str, known: impl Iterator<Item = &'static str>) {
         if self.unknown_directives.len() < MAX_WARNINGS && self.unknown_directives.insert(name.to_owned()) {
             let hint = did_you_mean(name, known);

@@ -2,9 +2,9 @@
 //!
 //! All are right-handed, with y up, in the caller's unit. What is called *closed* is a closed manifold, oriented
 //! outward, wherever its vertices are distinct: each edge belongs to two triangles, which run through it in opposite
-//! directions ([`is_closed`]). Positions are computed in f64 and rounded once; angles come from `libm`, the same on every
-//! platform. Numbers of segments and sides below 3 count as 3. A coordinate that the caller makes NaN or infinite stands
-//! in the mesh as it is.
+//! directions ([`is_closed`]). Positions are computed in f64 and rounded once; angles come from `libm`, the same on
+//! every platform. Numbers of segments and sides below 3 count as 3. A coordinate that the caller makes NaN or infinite
+//! stands in the mesh as it is.
 //!
 //! Every generator fails with [`MeshError::TooLarge`], before it allocates, where the vertices or triangles would be
 //! more than 32-bit indices can name. Below that, memory is the caller's care: 12 bytes a vertex and 12 a triangle.

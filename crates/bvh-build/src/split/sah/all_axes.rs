@@ -99,7 +99,8 @@ fn cheapest_of<const CAPACITY: usize>(
     }))
 }
 
-/// Adding 2²³ rounds to the nearest whole number and leaves it in the lowest bits: conversion with all its cases is slow.
+/// Adding 2²³ rounds to the nearest whole number and leaves it in the lowest bits: conversion with all its cases is
+/// slow.
 const ROUNDING: f32 = 8_388_608.0;
 
 /// Assigns primitives to buckets by their centroids, on each axis.

@@ -52,8 +52,8 @@ impl Trees {
         Self::new(mesh.expect("in range"))
     }
 
-    /// Squares of 1, up to 32 in x and y, in the plane z = 8: rays through whole numbers meet vertices. And all of them again,
-    /// with every third vertex an ulp closer or further.
+    /// Squares of 1, up to 32 in x and y, in the plane z = 8: rays through whole numbers meet vertices. And all of them
+    /// again, with every third vertex an ulp closer or further.
     fn lattice() -> Self {
         let z = |copy: u32, i: u32| {
             if copy == 0 { 8.0 } else { [8.0, 8.0_f32.next_up(), 8.0_f32.next_down()][i as usize % 3] }
@@ -138,8 +138,8 @@ fn interleaved_rays_have_the_answers_of_single_ones() {
     assert!((1000..4000).contains(&hits), "{hits}");
 }
 
-/// From a point and side by side, across octants and largest axes, with single rays among them that are not valid, run along
-/// an axis or end early, and a last packet that is not full.
+/// From a point and side by side, across octants and largest axes, with single rays among them that are not valid, run
+/// along an axis or end early, and a last packet that is not full.
 #[test]
 fn rays_that_go_together_have_the_answers_of_single_ones() {
     let trees = Trees::soup(&mut Random(7));
@@ -171,8 +171,8 @@ fn rays_that_go_together_have_the_answers_of_single_ones() {
     }
 }
 
-/// Where f32 decides little. A ray meets a vertex or an edge, or the inside of two triangles, and several triangles at the same t or
-/// an ulp apart, where many of the intervals end.
+/// Where f32 decides little. A ray meets a vertex or an edge, or the inside of two triangles, and several triangles at
+/// the same t or an ulp apart, where many of the intervals end.
 #[test]
 fn rays_together_through_vertices_have_the_answers_of_single_ones() {
     let trees = Trees::lattice();

@@ -16,8 +16,8 @@ const SEQUENTIAL: usize = 1 << 13;
 pub(super) struct Plan {
     /// The lines of everything below, if it is one child.
     lines: u32,
-    /// As `parts` children, from 2 on, `left[parts - 2]` of them are made of the first child below and the others of the
-    /// second; 0 stands for one part fewer. Eight are those of a wide node of its own; there 0 stands for a leaf.
+    /// As `parts` children, from 2 on, `left[parts - 2]` of them are made of the first child below and the others of
+    /// the second; 0 stands for one part fewer. Eight are those of a wide node of its own; there 0 stands for a leaf.
     left: [u8; LANES - 1],
     /// How many primitives are below; nine stand for all larger numbers.
     count: u8,

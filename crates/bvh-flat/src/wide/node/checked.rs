@@ -5,8 +5,8 @@ use crate::simd::LANES;
 
 /// A node that tells whether `write` could have written it.
 pub(crate) trait CheckedNode: WideNode {
-    /// Whether the box of each child contains those of the children's children: quantising moves planes outward, so that
-    /// they may be beyond those of the node above, though what they are around is not.
+    /// Whether the box of each child contains those of the children's children: quantising moves planes outward, so
+    /// that they may be beyond those of the node above, though what they are around is not.
     const IS_NESTED: bool;
 
     /// Whether everything is as `write` leaves it for `count` children, but the references and the planes of those.
@@ -42,8 +42,8 @@ impl CheckedNode for CompactNode {
     }
 }
 
-/// Whether each octant's numbers of all lanes are 0 to 7 in some order. For all octants at once: bit 3 · octant of `hit` is
-/// set where some lane has the number there; eight lanes that have eight numbers have each once.
+/// Whether each octant's numbers of all lanes are 0 to 7 in some order. For all octants at once: bit 3 · octant of
+/// `hit` is set where some lane has the number there; eight lanes that have eight numbers have each once.
 #[inline(always)]
 fn are_permutations(orders: &[u32; LANES]) -> bool {
     const FIRST_BITS: u32 = 0o1111_1111;

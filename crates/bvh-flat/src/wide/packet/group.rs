@@ -29,7 +29,8 @@ pub(super) fn columns<L: Lanes>(rays: [&RaySegment; LANES]) -> Columns<L> {
     ])
 }
 
-/// Eight rays, one in each lane, with their coordinates in the order kx, ky, kz of their shear, and what they have found.
+/// Eight rays, one in each lane, with their coordinates in the order kx, ky, kz of their shear, and what they have
+/// found.
 pub(crate) struct Group<L: Lanes> {
     pub(super) slabs: SlabRays<L>,
     pub(super) filter: FilterRay<L>,
@@ -37,7 +38,8 @@ pub(crate) struct Group<L: Lanes> {
     /// The end of the interval.
     pub(super) end: L::F32,
     directions: [L::F32; 3],
-    /// Which of the rays they are. Where there are fewer than lanes, the last one is in the others, without being traced.
+    /// Which of the rays they are. Where there are fewer than lanes, the last one is in the others, without being
+    /// traced.
     pub(crate) index: [u8; LANES],
     /// The lanes that have rays of their own.
     pub(crate) lanes: u32,
@@ -73,8 +75,8 @@ impl<L: Lanes> Hits<L> {
     }
 }
 
-/// The rays' part of the box test: as in [`BoxLanes`](crate::wide::box_ray::BoxLanes) for regular rays, where all that is
-/// said of one holds for each lane.
+/// The rays' part of the box test: as in [`BoxLanes`](crate::wide::box_ray::BoxLanes) for regular rays, where all that
+/// is said of one holds for each lane.
 pub(super) struct SlabRays<L: Lanes> {
     pub(super) near: [L::F32; 3],
     pub(super) far: [L::F32; 3],

@@ -12,8 +12,8 @@ pub(super) const PACKET: usize = 64;
 /// The mask of all lanes.
 const ALL: u32 = (1 << LANES) - 1;
 
-/// Rays of a packet have one octant and one largest axis: the frustum around them then has a nearest plane of each box, and
-/// all are sheared along the same axes.
+/// Rays of a packet have one octant and one largest axis: the frustum around them then has a nearest plane of each box,
+/// and all are sheared along the same axes.
 const KINDS: usize = 32;
 
 /// No component or reciprocal is larger.
@@ -31,8 +31,8 @@ pub(super) struct Kinds {
 pub(super) struct Kind(u32);
 
 impl Kind {
-    /// Of a ray that is valid, and whose numbers are far from the ends of f32: as in the regular form of the box test and
-    /// where the filter of triangles needs no case of its own, with components and reciprocals up to 2⁶⁰.
+    /// Of a ray that is valid, and whose numbers are far from the ends of f32: as in the regular form of the box test
+    /// and where the filter of triangles needs no case of its own, with components and reciprocals up to 2⁶⁰.
     #[inline(always)]
     fn of(ray: &RaySegment) -> Option<Self> {
         let limit = Vec4::splat(LIMIT);

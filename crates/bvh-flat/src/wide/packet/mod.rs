@@ -25,9 +25,9 @@ const LEAST: u32 = 8;
 
 /// The least part of lanes in box tests that have a ray which meets the box, for which going together pays.
 ///
-/// What it gave, in speed, on one core of an AMD EPYC (2026-11-25): primary rays 0.34 to 0.92, 2.0 to 5.1; shadow rays of sponza 0.34,
-/// 1.7; kitchen 0.28, 1.8; bunny 0.37, 1.2; black-forest 0.56, 1.8; but terrain-rainier 0.14, 0.91; dragon 0.18, 0.82; a
-/// hairball 0.06, 0.5. Diffuse rays 0.05 to 0.20, 0.5 to 0.95.
+/// What it gave, in speed, on one core of an AMD EPYC (2026-11-25): primary rays 0.34 to 0.92, 2.0 to 5.1; shadow rays
+/// of sponza 0.34, 1.7; kitchen 0.28, 1.8; bunny 0.37, 1.2; black-forest 0.56, 1.8; but terrain-rainier 0.14, 0.91;
+/// dragon 0.18, 0.82; a hairball 0.06, 0.5. Diffuse rays 0.05 to 0.20, 0.5 to 0.95.
 pub(super) const WORTHWHILE: f32 = 0.22;
 
 /// A subtree that some groups of a packet have yet to visit.
@@ -110,9 +110,9 @@ struct Packets<L: Lanes> {
     met: u32,
 }
 
-/// Rays of one kind, and what all of them are in: the interval of their origins and of their reciprocals for each axis, so
-/// that its slabs contain the slabs of each of them, by which no box is lost. For x in an interval and r of one sign, fl((b − x) r)
-/// is monotone in x, and of the products with both ends of r the smaller is not above any other.
+/// Rays of one kind, and what all of them are in: the interval of their origins and of their reciprocals for each axis,
+/// so that its slabs contain the slabs of each of them, by which no box is lost. For x in an interval and r of one
+/// sign, fl((b − x) r) is monotone in x, and of the products with both ends of r the smaller is not above any other.
 ///
 /// Boulos, Wald and Shirley 2006, *Geometric and Arithmetic Culling Methods for Entire Ray Packets*, section 3.
 struct Frustum<L: Lanes> {
@@ -352,8 +352,8 @@ impl<L: Lanes> Packets<L> {
     }
 }
 
-/// Of a triangle that f32 says too little about: where one ray hits it, as a lower and an upper bound, if it is what the ray
-/// has found then.
+/// Of a triangle that f32 says too little about: where one ray hits it, as a lower and an upper bound, if it is what
+/// the ray has found then.
 #[cold]
 #[inline(never)]
 fn undecided<'a, Q: Answered<'a>>(

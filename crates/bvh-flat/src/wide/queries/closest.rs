@@ -136,9 +136,9 @@ impl<Y: Layout> ClosestQuery<'_, Y> {
         self.found.as_ref().is_some_and(|found| primitive(found.leaf, found.lane) == primitive(leaf, lane))
     }
 
-    /// Whether a triangle that is hit lies in the plane of the closest so far, as a tile on a floor does: then t* is the same, and
-    /// it is taken if its number is the smaller one. (Without it such a tie was found by the exact answer for both, which took a
-    /// quarter of the time of random rays in a hall of such tiles.)
+    /// Whether a triangle that is hit lies in the plane of the closest so far, as a tile on a floor does: then t* is
+    /// the same, and it is taken if its number is the smaller one. (Without it such a tie was found by the exact answer
+    /// for both, which took a quarter of the time of random rays in a hall of such tiles.)
     #[cold]
     #[inline(never)]
     fn is_tie(&mut self, leaf: Child, lane: usize) -> bool {

@@ -59,7 +59,8 @@ pub enum InvalidWideTree {
         /// Where it begins.
         node: usize,
     },
-    /// A triangle that is not inside of its boxes, an extent that is not that of the triangles, or something behind them.
+    /// A triangle that is not inside of its boxes, an extent that is not that of the triangles, or something behind
+    /// them.
     #[error("the leaf at line {leaf}: its triangles are not in its boxes, or not as large as it says")]
     Leaf {
         /// Where it begins.

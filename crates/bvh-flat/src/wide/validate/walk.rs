@@ -12,8 +12,8 @@ use crate::wide::node::{CheckedNode, WideNode};
 use crate::wide::traverse::MAX_WIDE_DEPTH;
 use crate::wide::triangles::{CheckedLayout, Scratch};
 
-/// Planes of quantised boxes lie within four times the domain: no box is more than twice as large as what is in it. The box
-/// test does not overflow there.
+/// Planes of quantised boxes lie within four times the domain: no box is more than twice as large as what is in it. The
+/// box test does not overflow there.
 const MAX_PLANE: f32 = (1_u64 << 62) as f32;
 
 /// What a tree consists of.
@@ -59,9 +59,9 @@ impl Subtree {
     }
 }
 
-/// The vertices of a mesh come from anywhere in memory: a leaf's triangles are asked for when it is met, their vertices when as
-/// many others as half of these have been, and they are looked at when all have been. Without it a third of the time is
-/// spent waiting.
+/// The vertices of a mesh come from anywhere in memory: a leaf's triangles are asked for when it is met, their vertices
+/// when as many others as half of these have been, and they are looked at when all have been. Without it a third of the
+/// time is spent waiting.
 const AWAITED: usize = 32;
 
 /// Leaves whose triangles are still to be looked at.
@@ -197,8 +197,8 @@ impl<'a, Y: CheckedLayout, S: Fn(u32) -> bool> Checker<'a, Y, S> {
         let first = pending.len();
         for subtree in (0..count).map(child).filter(|child| !child.child.is_leaf()) {
             let begins = subtree.child.line();
-            // The first one begins behind the leaves; the others somewhere behind the node of the one before, which must
-            // then end there.
+            // The first one begins behind the leaves; the others somewhere behind the node of the one before, which
+            // must then end there.
             let is_first = pending.len() == first;
             if begins < next || begins >= at.end || (is_first && begins != next) {
                 return Err(misplaced(line, begins, next, at.end));
@@ -253,8 +253,8 @@ fn boxes_within<L: Lanes, N: CheckedNode>(node: &N, count: usize, within: &[f32;
     (valid == (1 << count) - 1).then_some(boxes)
 }
 
-/// Whether the vertices of a leaf's triangles are between planes, or with spatial splits on both sides at most; and its first number is one ulp more than the largest
-/// extent of any of them.
+/// Whether the vertices of a leaf's triangles are between planes, or with spatial splits on both sides at most; and its
+/// first number is one ulp more than the largest extent of any of them.
 #[inline(always)]
 fn is_within<L: Lanes>(block: &[f32; LEAF_NUMBERS], count: usize, within: &[f32; 6], is_split: bool) -> bool {
     let all = (1 << count) - 1;

@@ -10,8 +10,8 @@ pub enum Mark {
     Cross,
 }
 
-/// What tells the points and lines of one way to build from others: a colour, and in presets a dot, and dashes. Nine colours
-/// could not be told apart by everybody.
+/// What tells the points and lines of one way to build from others: a colour, and in presets a dot, and dashes. Nine
+/// colours could not be told apart by everybody.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Series {
     /// Of `style.css`: `--s0` to `--s5`.
