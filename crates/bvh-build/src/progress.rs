@@ -16,7 +16,7 @@ pub struct PhaseProgress {
     pub phase: Phase,
     /// How many of its items are done. Never more than `total`.
     pub done: u64,
-    /// How many items it has; [`Phase`] says what these are.
+    /// How many items it has; [`Phase`] says what these are. May be 0.
     pub total: u64,
 }
 

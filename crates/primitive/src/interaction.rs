@@ -5,8 +5,9 @@ use geometry::{Ray, SurfacePoint, TraversalRay, round_down, round_up};
 
 use crate::{MediumInterface, Surface};
 
-/// A point on a surface that a ray met: pbrt's SurfaceInteraction, in the space of the primitive that was asked (world
-/// space for a scene). The BSDF is the renderer's; [`Surface::Material`] is its hook.
+/// A point on a surface that a ray met: pbrt's SurfaceInteraction (third edition, section 2.10.1; fourth, 3.11.1), in
+/// the space of the primitive that was asked (world space for a scene). The BSDF is the renderer's;
+/// [`Surface::Material`] is its hook.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceInteraction {
     /// Position, normal and surface parameters in f64: every space it was carried through added its error there, and
