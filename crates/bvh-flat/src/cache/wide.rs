@@ -48,7 +48,8 @@ impl WideMesh {
     }
 
     /// Loads the tree over `mesh` from a file, with all checks: the answers are those of the tree that was saved, bit
-    /// for bit. Where `options` are given, it is a tree of such; else it may be any.
+    /// for bit. (Where space was split, that no part of a triangle is missing rests on the checksum, which tells damage
+    /// and not malice.) Where `options` are given, it is a tree of such; else it may be any.
     ///
     /// # Errors
     /// [`CacheError`] for every file that is not that.
