@@ -21,9 +21,11 @@ pub fn build(bounds: &[Bounds3], config: &BuildConfig) -> Result<Tree, BuildErro
 
 /// The tree over `bounds`, one for each primitive, while `observer` is told how far it has come, and may cancel it.
 ///
-/// Primitives whose bounds are not [valid](Bounds3::is_valid) are inactive: they keep their index and are in no leaf.
-/// Where none is active, the tree is empty. The same bounds and configuration make the same tree, bit for bit, on any
-/// number of threads and without the feature `parallel`. Time is linear in n for each level of the tree.
+/// All bounds are in one space, in any unit. Primitives whose bounds are not [valid](Bounds3::is_valid) (empty, NaN,
+/// infinite or beyond 2⁶⁰) are inactive: they keep their index and are in no leaf. Where none is active, the tree is
+/// empty. The same bounds and configuration make the same tree, bit for bit, on any number of threads and without the
+/// feature `parallel`. Time is linear in n for each level of the tree. Space is not split, whatever the configuration
+/// says: a box does not tell the parts of what is in it.
 ///
 /// # Errors
 /// [`BuildError::InvalidConfig`], [`BuildError::TooManyPrimitives`] beyond 2³¹ bounds, and [`BuildError::Cancelled`]
@@ -37,10 +39,11 @@ pub fn build_observed(
 }
 
 /// As [`build_observed`], of `count` primitives that are asked for their bounds, and can be asked for those of their
-/// parts: so space can be split, where the configuration [says so](BuildConfig::spatial_splits).
+/// parts: so space can be split, where the configuration [says so](BuildConfig::spatial_splits). `bounds` is asked for
+/// each index below `count`, from any thread, and must answer the same question in the same way.
 ///
 /// # Errors
-/// As [`build_observed`].
+/// As [`build_observed`]; the references for which there is [room](SpatialSplits::budget) count towards the 2³¹.
 pub fn build_split(
     count: usize,
     bounds: impl Fn(u32) -> Bounds3 + Sync,
@@ -99,7 +102,7 @@ impl Tree {
     ///
     /// # Errors
     /// [`BuildError::InvalidConfig`]; and [`BuildError::Cancelled`], with which the tree is lost: an observer that
-    /// wants it as it is then answers [`reinserted`](BuildObserver::reinserted) so.
+    /// wants to keep it as it is then breaks off in [`reinserted`](BuildObserver::reinserted) instead.
     pub fn optimized(self, config: &BuildConfig, observer: &dyn BuildObserver) -> Result<Self, BuildError> {
         config.validate()?;
         let TreeStatistics { active_count, inactive_count, .. } = *self.statistics();

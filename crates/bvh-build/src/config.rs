@@ -4,12 +4,15 @@ use std::fmt;
 
 use crate::{BuildError, Reinsertion, SpatialSplits};
 
-/// How a node's primitives are divided between its children: pbrt's four ways.
+/// How a node's primitives are divided between its children: pbrt's four ways (third edition, sections 4.3.1 to 4.3.3;
+/// fourth, 7.3.1 to 7.3.3). They differ in time, of the build and of the rays, and never in answers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum SplitMethod {
-    /// By the surface area heuristic, the expected cost of a ray, over buckets. The best trees.
+    /// By the surface area heuristic, the expected cost of a ray (MacDonald and Booth 1990), over buckets (Wald 2007).
+    /// The best trees.
     Sah,
-    /// Hierarchical linear BVH: treelets by Morton order, and the surface area heuristic above them. Fast to build.
+    /// Hierarchical linear BVH (Pantaleoni and Luebke 2010; Garanzha, Pantaleoni and McAllister 2011): treelets by
+    /// Morton order, and the surface area heuristic above them. Fast to build.
     Hlbvh,
     /// In the middle of the centroids' interval. Fast and simple; good only for evenly spread primitives.
     Middle,
@@ -48,7 +51,8 @@ impl SplitAxes {
     pub const ALL: [SplitAxes; 2] = [Self::Dominant, Self::All];
 }
 
-/// How many bits [`SplitMethod::Hlbvh`] spends on a primitive's place along the Morton curve.
+/// How many bits [`SplitMethod::Hlbvh`] spends on a primitive's place along the Morton curve. The grid has cubic cells,
+/// 2¹⁰ or 2²¹ of them along the longest axis of the centroids' bounds. (pbrt stretches the cells to the bounds.)
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum MortonBits {
     /// 63 where more than half of the primitives are smaller than one cell of the 30-bit grid, that is, where their
@@ -62,7 +66,11 @@ pub enum MortonBits {
     Bits63,
 }
 
-/// The parameters of a build. Begin with [`BuildConfig::new`] or the default, and change what matters.
+/// The parameters of a build. Begin with a [preset](Self::PRESETS), [`BuildConfig::new`] or the default, and change
+/// what matters. Any values can be set; a build refuses those that are out of range, NaN among them
+/// ([`BuildError::InvalidConfig`]).
+///
+/// The `WideMesh` of `bvh-flat` has costs of its own in place of the three here, and leaves of eight at most.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 #[must_use]
@@ -92,7 +100,7 @@ pub struct BuildConfig {
     /// With [`SplitAxes::All`], nodes of no more primitives need no buckets: their primitives are swept in the order of
     /// their centroids on each axis, and every boundary between two centroids is weighed. At most 64; default 16.
     pub full_sweep: u32,
-    /// The length of the Morton codes; only [`SplitMethod::Hlbvh`] uses it.
+    /// The length of the Morton codes; only [`SplitMethod::Hlbvh`] uses it. Default [`MortonBits::Auto`].
     pub morton_bits: MortonBits,
     /// Whether the tree is optimised by reinsertion, and for how long. With it, a build first makes leaves of one
     /// primitive each, whatever the method; merges them, up to
@@ -100,7 +108,8 @@ pub struct BuildConfig {
     /// then moves subtrees. Default `None`.
     pub reinsertion: Option<Reinsertion>,
     /// Whether nodes may be divided by planes that cut primitives. Only [`SplitMethod::Sah`] does so, and only where
-    /// the builder can ask for the parts of a primitive ([`build_split`](crate::build_split)). Default `None`.
+    /// the builder can ask for the parts of a primitive ([`build_split`](crate::build_split)), as it does for the
+    /// `WideMesh` of `bvh-flat`, but not for its `MeshBvh`, `FlatBvh` and `BvhAggregate`. Default `None`.
     pub spatial_splits: Option<SpatialSplits>,
 }
 
@@ -165,7 +174,7 @@ impl BuildConfig {
         Self::new(SplitMethod::Hlbvh).with_max_primitives_in_leaf(8)
     }
 
-    /// A better tree in little more time: [`SplitMethod::Hlbvh`], and one pass of [`Reinsertion`].
+    /// A better tree in two to three times the time: [`SplitMethod::Hlbvh`], and one pass of [`Reinsertion`].
     pub const fn fast() -> Self {
         Self::new(SplitMethod::Hlbvh).with_reinsertion(Some(Reinsertion::new(1, 0.05)))
     }
@@ -184,7 +193,7 @@ impl BuildConfig {
 
     /// A better tree: [`SplitMethod::Sah`] over 64 buckets on all axes, then [`Reinsertion`], in one and a half to two
     /// times the time of [`balanced`](Self::balanced); and where the builder can ask for the parts of primitives, with
-    /// [`SpatialSplits`] of large nodes, in up to four times that time.
+    /// [`SpatialSplits`] of large nodes, in three to seven times that time.
     pub const fn high() -> Self {
         let splits = SpatialSplits::new(1e-5, 0.1).with_least_references(4096);
         Self { spatial_splits: Some(splits), ..Self::highest() }
@@ -206,7 +215,8 @@ impl BuildConfig {
         Self { max_primitives_in_leaf, ..self }
     }
 
-    /// The same with other costs: t_trav and t_isect.
+    /// The same with other costs: [`traversal_cost`](Self::traversal_cost) and
+    /// [`intersection_cost`](Self::intersection_cost).
     pub const fn with_costs(self, traversal_cost: f32, intersection_cost: f32) -> Self {
         Self { traversal_cost, intersection_cost, ..self }
     }
@@ -221,7 +231,7 @@ impl BuildConfig {
         Self { buckets, ..self }
     }
 
-    /// The same with splits looked for along other axes.
+    /// The same with splits looked for along other [`axes`](Self::axes).
     pub const fn with_axes(self, axes: SplitAxes) -> Self {
         Self { axes, ..self }
     }
@@ -236,12 +246,12 @@ impl BuildConfig {
         self.buckets.min((count as u32 / 2).max(8))
     }
 
-    /// The same with another length of Morton codes.
+    /// The same with other [`morton_bits`](Self::morton_bits).
     pub const fn with_morton_bits(self, morton_bits: MortonBits) -> Self {
         Self { morton_bits, ..self }
     }
 
-    /// The same with or without reinsertion.
+    /// The same with or without [`reinsertion`](Self::reinsertion).
     pub const fn with_reinsertion(self, reinsertion: Option<Reinsertion>) -> Self {
         Self { reinsertion, ..self }
     }
@@ -251,7 +261,7 @@ impl BuildConfig {
         f64::from(self.leaf_cost) + f64::from(count) * f64::from(self.intersection_cost)
     }
 
-    /// The same with or without spatial splits.
+    /// The same with or without [`spatial_splits`](Self::spatial_splits).
     pub const fn with_spatial_splits(self, spatial_splits: Option<SpatialSplits>) -> Self {
         Self { spatial_splits, ..self }
     }
@@ -293,7 +303,8 @@ impl BuildConfig {
     }
 }
 
-/// Every parameter, in words: two configurations are equal if and only if these are.
+/// Every parameter, in words: of configurations that a build takes, two are equal if and only if these are, but for the
+/// sign of zeros.
 impl fmt::Display for BuildConfig {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         // All of them, so that a new one is not forgotten.

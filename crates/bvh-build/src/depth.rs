@@ -2,6 +2,9 @@
 
 /// No path of a tree has more nodes: a tree that is one leaf has depth 1. A traversal that keeps at most one pending
 /// node for each interior node above it never holds more than `MAX_DEPTH - 1`.
+///
+/// By construction: a split is free where its children, whatever their share, could still be halved down to single
+/// primitives within the limit, and else halves. As 2³¹ primitives are halved 31 times, the first 64 levels are free.
 pub const MAX_DEPTH: u32 = 96;
 
 /// The number of primitives that one tree can hold. A tree over n primitives has at most 2n − 1 nodes, and a node's

@@ -6,12 +6,13 @@ use thiserror::Error;
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum BuildError {
-    /// A tree over so many primitives could have more nodes than 32-bit indices can name.
+    /// A tree over so many primitives could have more nodes than its references can name.
     #[error("{count} primitives are more than one tree can hold ({limit}); split them among several trees")]
     TooManyPrimitives {
-        /// How many bounds were given.
+        /// How many were given; where space may be split, with the references that may be added.
         count: usize,
-        /// How many a tree can hold: 2³¹.
+        /// How many always fit: 2³¹ for the trees of this crate, whose indices have 32 bits; 2²⁸ / 5 for the wide ones
+        /// of `bvh-flat`, where of most meshes five times as many fit.
         limit: usize,
     },
     /// A parameter of the configuration is out of its range.

@@ -1,4 +1,5 @@
-//! Bounding volume hierarchies over boxes, after chapter 4 of *Physically Based Rendering* (Pharr, Jakob, Humphreys).
+//! Bounding volume hierarchies over boxes, after chapter 4 of *Physically Based Rendering* (Pharr, Jakob and Humphreys,
+//! third edition; chapter 7 of the fourth), *Primitives and Intersection Acceleration*.
 //!
 //! A ray that misses a box misses everything in it. So primitives are put into a binary tree: each node has the bounds
 //! of all that is below, and a ray that misses them skips it. Which primitives go together decides what that saves, and

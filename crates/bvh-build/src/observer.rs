@@ -66,7 +66,7 @@ pub trait BuildObserver: Sync {
         let _ = phase;
     }
 
-    /// `phase` has ended, or was cancelled.
+    /// `phase` has ended, or was cancelled. Comes once for each [`begin`](Self::begin).
     fn end(&self, phase: Phase) {
         let _ = phase;
     }
@@ -92,7 +92,8 @@ pub trait BuildObserver: Sync {
         ControlFlow::Continue(())
     }
 
-    /// A tree is complete.
+    /// A binary tree is complete, with its statistics; on the thread that called the builder. What `bvh-flat` makes of
+    /// it, a flat or a wide one, is still to come ([`Phase::Collapse`], [`Phase::Emission`]).
     fn built(&self, statistics: &TreeStatistics) {
         let _ = statistics;
     }

@@ -16,7 +16,7 @@ pub struct PhaseProgress {
     pub phase: Phase,
     /// How many of its items are done. Never more than `total`.
     pub done: u64,
-    /// How many items it has; [`Phase`] says what these are.
+    /// How many items it has; [`Phase`] says what these are. May be 0.
     pub total: u64,
 }
 
@@ -51,7 +51,8 @@ impl fmt::Debug for ProgressReporter<'_> {
 }
 
 impl<'a> ProgressReporter<'a> {
-    /// The result of `work`, which is `phase` and has `total` items, as `observer` is told.
+    /// The result of `work`, which is `phase` and has `total` items, as `observer` is told: that it begins and ends,
+    /// and what `work` reports. For those who make something of a tree, as a part of the build.
     ///
     /// # Errors
     /// [`Cancelled`], where the observer has said so, or `work`.
@@ -76,7 +77,7 @@ impl<'a> ProgressReporter<'a> {
         ProgressReporter { observer: &(), phase: Phase::Recursion, total: u64::MAX, done, is_cancelled }
     }
 
-    /// So many more items are done.
+    /// So many more items are done. More than there are in all are told as all.
     ///
     /// # Errors
     /// [`Cancelled`], from the moment on when the observer has said so to anyone.
@@ -102,7 +103,8 @@ impl<'a> ProgressReporter<'a> {
         self.update(0)
     }
 
-    /// Step `i` begins of a loop over all items: of many such steps one is told.
+    /// Step `i`, below the total, begins of a loop over all items: of 8192 such steps the first is told, with the items
+    /// of all.
     ///
     /// # Errors
     /// As [`update`](Self::update).

@@ -19,10 +19,11 @@ pub struct Tree {
     statistics: TreeStatistics,
 }
 
-/// A node with its bounds.
+/// A node with its bounds, before it is packed (`LinearBvhNode` of `bvh-flat`).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Node {
-    /// The bounds of everything below.
+    /// The bounds of everything below, in the space of the bounds that the tree was built over; always
+    /// [valid](Bounds3::is_valid).
     pub bounds: Bounds3,
     /// What is below.
     pub kind: NodeKind,
@@ -33,9 +34,10 @@ pub struct Node {
 pub enum NodeKind {
     /// Two children: the first directly behind this node, the second further on.
     Interior {
-        /// The axis along which the children were divided: the first one is the lower.
+        /// The axis along which the children were divided: the first one is the lower. So a ray whose direction is
+        /// negative on it meets the second one first, as a rule.
         axis: Axis,
-        /// The index of the second child.
+        /// The index of the second child in [`Tree::nodes`], behind all that is below the first.
         second_child: u32,
     },
     /// Primitives.
@@ -47,7 +49,7 @@ pub enum NodeKind {
     },
 }
 
-/// What a tree is like.
+/// What a tree is like, as it was built.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct TreeStatistics {
@@ -64,7 +66,8 @@ pub struct TreeStatistics {
     /// How many references to them the leaves have: more than primitives where [space was
     /// split](crate::SpatialSplits).
     pub reference_count: u32,
-    /// How many are not: their bounds are empty, NaN or outside of the domain ([`Bounds3::is_valid`]).
+    /// How many primitives are not in the tree: their bounds are empty, NaN or outside of the domain
+    /// ([`Bounds3::is_valid`]).
     pub inactive_count: u32,
     /// The expected cost of a random ray that meets the tree's bounds, by the surface area heuristic and with the
     /// costs of the configuration: the sum of p · t_trav over the interior nodes and of p · (t_leaf + n · t_isect) over

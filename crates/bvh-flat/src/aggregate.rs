@@ -14,9 +14,10 @@ use crate::wide::{
 use crate::{BuildConfig, BuildError, BuildObserver};
 use crate::{FlatBvh, InvalidBvh};
 
-/// Primitives with a tree over their bounds: pbrt's BVHAggregate, and a [`Primitive`] itself. With `P = Box<dyn
-/// Primitive>` it mixes anything; with an enum of a scene's own kinds there is no dispatch. Every answer is the same,
-/// bit for bit, as that of the [`PrimitiveList`] alone, whatever the tree.
+/// Primitives with a tree over their bounds: pbrt's BVHAccel (third edition, section 4.3) or BVHAggregate (fourth,
+/// 7.3), and a [`Primitive`] itself. With `P = Box<dyn Primitive>` it mixes anything; with an enum of a scene's own
+/// kinds there is no dispatch. Every answer is the same, bit for bit, as that of the [`PrimitiveList`] alone, whatever
+/// the tree.
 ///
 /// Rays go through a wide tree, eight boxes at a time, that is collapsed from the flat one. Members do not move: the
 /// next frame's aggregate is built over the next frame's members, which as `Arc<…>` share what is in them.
@@ -29,10 +30,13 @@ pub struct BvhAggregate<P> {
 }
 
 impl<P: Primitive> BvhAggregate<P> {
-    /// Builds a tree over `members`; hits number their primitives one member after the other, in this order.
+    /// Builds a tree over `members`; hits number their primitives one member after the other, in this order. A member
+    /// whose bound is not [valid](Bounds3::is_valid) is never asked, and keeps its numbers. Space is not split,
+    /// whatever the configuration says.
     ///
     /// # Errors
-    /// [`BuildError`] for a configuration or a number of members that the builder refuses.
+    /// [`BuildError`] for a configuration or a number of members that the builder refuses, or a tree of more than 16
+    /// GiB.
     #[cfg(feature = "build")]
     pub fn build(members: Vec<P>, config: &BuildConfig) -> Result<Self, BuildError> {
         Self::build_observed(members, config, &())
@@ -57,7 +61,8 @@ impl<P: Primitive> BvhAggregate<P> {
     ///
     /// # Errors
     /// [`InvalidBvh::Geometry`] where the tree does not fit the members: not built over as many, a leaf that does not
-    /// contain its members, or an active member that no leaf has. [`InvalidBvh::TooLarge`].
+    /// contain its members, an active member that no leaf has, or space that was split. [`InvalidBvh::TooLarge`] beyond
+    /// 16 GiB.
     pub fn from_parts(members: Vec<P>, bvh: FlatBvh) -> Result<Self, InvalidBvh> {
         bvh.validate_against(members.len(), |i| members[i].world_bound())?;
         let primitive_count = members.len();
@@ -78,7 +83,7 @@ impl<P: Primitive> BvhAggregate<P> {
         Self { width, ..self }
     }
 
-    /// The members, as the naive aggregate.
+    /// The members, as the naive aggregate: [`member_of`](PrimitiveList::member_of) says whose a hit is.
     pub fn list(&self) -> &PrimitiveList<P> {
         &self.list
     }

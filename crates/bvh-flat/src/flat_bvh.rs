@@ -11,7 +11,7 @@ pub const MAX_DEPTH: usize = 96;
 /// primitives into which the leaves' ranges point.
 ///
 /// Valid by construction (see [`from_parts`](Self::from_parts)), so traversal need not check. A tree without nodes is
-/// met by no ray.
+/// met by no ray. Boxes are in the space of the primitives. (pbrt's third edition, section 4.3.4; fourth, 7.3.4.)
 ///
 /// With the feature `serde` it can be kept in any codec; what comes out of one goes through
 /// [`from_split_parts`](Self::from_split_parts).
@@ -56,8 +56,8 @@ impl FlatBvh {
         Self::from_split_parts(nodes, order, primitive_count, 0)
     }
 
-    /// The same for a tree whose space may have been split, so that primitives stand in the order more than once:
-    /// altogether `extra_references` times more than once at most.
+    /// The same for a tree whose space may have been split, so that primitives stand in the order more than once: the
+    /// places whose primitive stands before them already are `extra_references` at most.
     ///
     /// # Errors
     /// As [`from_parts`](Self::from_parts), but for that.
@@ -93,7 +93,7 @@ impl FlatBvh {
         &self.nodes
     }
 
-    /// The primitive at each place of the order.
+    /// The primitive at each place of the order: what the [ranges](LinearBvhNode::range) of leaves point into.
     pub fn order(&self) -> &[u32] {
         &self.order
     }

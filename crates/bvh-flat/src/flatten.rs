@@ -9,8 +9,9 @@ use crate::{BuildConfig, BuildError, BuildObserver, FlatBvh, LinearBvhNode};
 const _: () = assert!(bvh_build::MAX_DEPTH as usize <= crate::MAX_DEPTH);
 
 impl FlatBvh {
-    /// Builds and flattens a tree over `bounds`. A primitive whose box is not [valid](Bounds3::is_valid) is inactive:
-    /// it keeps its number, and no leaf has it.
+    /// Builds and flattens a tree over `bounds`, as [`bvh_build::build_observed`] does. A primitive whose box is not
+    /// [valid](Bounds3::is_valid) is inactive: it keeps its number, and no leaf has it. Space is not split, whatever
+    /// the configuration says; for that, [flatten](Self::from_tree) what [`bvh_build::build_split`] builds.
     ///
     /// # Errors
     /// [`BuildError`] for a configuration or a number of primitives that the builder refuses, and where `observer`

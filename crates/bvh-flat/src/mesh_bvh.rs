@@ -39,10 +39,11 @@ struct MeshTree {
 }
 
 impl MeshBvh {
-    /// Builds a tree over `mesh`.
+    /// Builds a tree over `mesh`. Triangles with a coordinate that is NaN, infinite or beyond 2⁶⁰ are inactive: they
+    /// keep their number and are never hit. Space is not split, whatever the configuration says.
     ///
     /// # Errors
-    /// [`BuildError`] for a configuration that the builder refuses.
+    /// [`BuildError`] for a configuration or a number of triangles that the builder refuses.
     #[cfg(feature = "build")]
     pub fn build(mesh: impl Into<Arc<TriangleMesh>>, config: &BuildConfig) -> Result<Self, BuildError> {
         Self::build_observed(mesh, config, &())
@@ -71,7 +72,7 @@ impl MeshBvh {
     ///
     /// # Errors
     /// [`InvalidBvh::Geometry`] where the tree does not fit the mesh: not built over as many primitives, a leaf that
-    /// does not contain its triangles, or an active triangle that no leaf has.
+    /// does not contain its triangles, an active triangle that no leaf has, or space that was split.
     pub fn from_parts(mesh: impl Into<Arc<TriangleMesh>>, bvh: FlatBvh) -> Result<Self, InvalidBvh> {
         let mesh = mesh.into();
         bvh.validate_against(mesh.len(), |i| mesh.triangle_bounds(i))?;
@@ -100,7 +101,7 @@ impl<K: Kernels> MeshBvh<K> {
         &self.tree.bvh
     }
 
-    /// What is kept beside the mesh itself, in bytes.
+    /// What is kept beside the mesh itself, in bytes: nodes, order, and the vertices once more, leaf by leaf.
     pub fn memory(&self) -> usize {
         self.tree.bvh.memory() + size_of_val(self.tree.ordered_vertices.as_slice())
     }

@@ -6,7 +6,9 @@ use bytemuck::{Pod, Zeroable};
 use geometry::glam::Vec3;
 use geometry::{Axis, Bounds3};
 
-/// A node of a flattened tree: pbrt's LinearBVHNode, 32 bytes, two of them a cache line.
+/// A node of a flattened tree: pbrt's LinearBVHNode (third edition, section 4.3.4; fourth, 7.3.4), 32 bytes, two of
+/// them a cache line. Any bits may stand in one: [`FlatBvh::from_parts`](crate::FlatBvh::from_parts) says what makes a
+/// tree.
 ///
 /// Nodes stand depth first: the first child of an interior node is the next node, the second is at `offset`. A leaf has
 /// the primitives `offset .. offset + count` of the primitive order.
@@ -42,7 +44,7 @@ impl LinearBvhNode {
         Self { min: bounds.min.to_array(), max: bounds.max.to_array(), offset, count, axis, padding: 0 }
     }
 
-    /// The box around everything below the node.
+    /// The box around everything below the node, in the space of the primitives.
     #[inline]
     pub fn bounds(&self) -> Bounds3 {
         Bounds3::new(Vec3::from_array(self.min), Vec3::from_array(self.max))
@@ -60,13 +62,13 @@ impl LinearBvhNode {
         self.offset as usize..self.offset as usize + usize::from(self.count)
     }
 
-    /// An interior node's second child.
+    /// The index of an interior node's second child; of a leaf, the first of its places.
     #[inline]
     pub fn second_child(&self) -> usize {
         self.offset as usize
     }
 
-    /// The axis of an interior node's split, as an index.
+    /// The axis of an interior node's split: 0, 1 or 2 for x, y or z. 0 for a leaf.
     #[inline]
     pub fn axis(&self) -> usize {
         usize::from(self.axis)

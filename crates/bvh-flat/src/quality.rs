@@ -12,12 +12,14 @@ pub(crate) use boxes::Boxes;
 /// configuration.
 const NODE_COST: f64 = 0.5;
 
-/// How good a tree is.
+/// How good a tree is: by its boxes alone, so on a mean over random rays; less is better. All is relative to the root's
+/// surface area, hence without a unit and always finite.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct TreeQuality {
     /// The expected cost of a random ray through the root's box, by the surface area heuristic: the sum over all nodes
-    /// of what a node costs times its surface area, as a part of the root's. 0 where the root has no area.
+    /// of what a node costs times its surface area, as a part of the root's (MacDonald and Booth 1990; pbrt's third
+    /// edition, section 4.3.2). 0 where the root has no area.
     pub sah_cost: f64,
     /// By how much children overlap: the surface areas of what any two children of a node have in common, over all
     /// interior nodes, as a part of the root's. 0 where the root has no area.
@@ -28,7 +30,7 @@ pub struct TreeQuality {
 
 impl FlatBvh {
     /// How good the tree is, as far as its boxes tell. An interior node costs 1/2 and a leaf the number of its
-    /// primitives, as in the default configuration. Linear in the number of nodes.
+    /// primitives, as in the default configuration, whatever the tree was built with. Linear in the number of nodes.
     pub fn quality(&self) -> TreeQuality {
         self.boxes().quality()
     }
@@ -37,7 +39,7 @@ impl FlatBvh {
     /// node without belonging to it, times what the node costs, over all nodes, as a part of all surface. Of two trees
     /// of equal [`sah_cost`](TreeQuality::sah_cost), rays from one surface to the next are the faster in that of less
     /// (Aila, Karras and Laine, *On Quality Metrics of Bounding Volume Hierarchies*, High Performance Graphics 2013,
-    /// equation 4). 0 where there is no surface.
+    /// equation 4). Triangles that are in no leaf do not count. 0 where there is no surface.
     ///
     /// Each triangle is cut by every box that it meets, in f64: this takes longer than the build. On all threads of the
     /// current rayon pool with the feature `parallel`, and with the same result on any number.
@@ -73,8 +75,9 @@ impl FlatBvh {
 }
 
 impl WideMesh {
-    /// How good the tree is, as far as its boxes tell. A node costs 1, and a leaf what its size costs where the build
-    /// weighs it. Linear in the number of nodes.
+    /// How good the tree is, as far as its boxes tell. A node costs 1, and a leaf of n triangles 1.5 + 0.1 n, as in the
+    /// build: not to be compared with [`FlatBvh::quality`]. Compact nodes count with their quantised boxes. Linear in
+    /// the number of nodes.
     pub fn quality(&self) -> TreeQuality {
         self.boxes().quality()
     }

@@ -37,12 +37,15 @@ impl FlatBvh {
     /// place, on all threads of the current rayon pool with the feature `parallel`, and with the same result on any
     /// number.
     ///
-    /// The result is the cost of the new tree by the surface area heuristic as a part of that of the old one, with
-    /// costs of 1/2 for a node and 1 for a primitive: where it gets large (2, say), rays would gain by a new build. 1
-    /// where either tree has no area.
+    /// The result is the cost of the new tree by the surface area heuristic as a part of that of the one it was adapted
+    /// from, with costs of 1/2 for a node and 1 for a primitive: where the product since the build gets large (2, say),
+    /// rays would gain by a new build. 1 where either tree has no area.
+    ///
+    /// Bounds that are not [valid](Bounds3::is_valid) are those of inactive primitives, which must have been so before.
     ///
     /// # Errors
-    /// [`RefitError`], and the tree is as it was.
+    /// [`RefitError`], and the tree is as it was: for another number of bounds, with spatial splits, and where a
+    /// primitive became active or inactive.
     pub fn refit(&mut self, bounds: &[Bounds3]) -> Result<f64, RefitError> {
         let expected = self.primitive_count() as usize;
         if bounds.len() != expected {

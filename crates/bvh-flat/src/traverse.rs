@@ -11,8 +11,12 @@ use crate::stack::Stack;
 /// its primitives what the query says. A node is passed by only where the ray enters its box beyond `t_max`, so that a
 /// hit at exactly the `t` of the closest so far is still found, and the smaller primitive wins whatever the tree. The
 /// box test is that of `K`: [`Watertight`](geometry::Watertight), unless the loss of another is to be shown.
+///
+/// For that, no hit may have a `t` below the entry into its primitive's box, nor NaN. The order of primitives is
+/// [`order`](Self::order). An empty interval is met by nothing. (pbrt's third edition, section 4.3.5; fourth, 7.3.5.)
 impl FlatBvh {
-    /// The closest hit. `leaf` answers with the closest of its range in the interval.
+    /// The closest hit. `leaf` answers with the closest of its range in the interval, which ends just above the `t` of
+    /// the closest so far; of equal `t` with the smallest primitive.
     #[inline]
     pub fn intersect<K: Kernels>(
         &self,

@@ -77,7 +77,7 @@ pub enum InvalidBvh {
         /// The node.
         node: usize,
     },
-    /// The tree was not built over this geometry.
+    /// The tree was not built over this geometry, or with spatial splits, by which leaves have parts of primitives.
     #[error("the tree does not fit the geometry: {0}; build it again")]
     Geometry(String),
     /// An axis that is not 0, 1 or 2, one at a leaf, or padding that is not zero.

@@ -35,10 +35,10 @@ const PARALLEL_CHUNK: usize = 4096;
 /// A triangle mesh with a wide tree over its triangles: nodes of eight children and leaves of up to eight triangles,
 /// each tested at once. Its answers are those of [`ExactMesh`](crate::ExactMesh), bit for bit, on every [`SimdWidth`].
 ///
-/// *How.* Eight boxes or triangles are tested in f32 with bounds on every error, so that nothing is lost. What f32 leaves
-/// open (a ray at an edge, two hits whose t are too close) is decided by an [`ExactRay`](geometry::exact::ExactRay),
-/// and the values of the hit that is reported are computed by one. Since every decision is that of real arithmetic, it
-/// cannot depend on a tree, a layout or the width of registers.
+/// *How.* Eight boxes or triangles are tested in f32 with bounds on every error, so that nothing is lost. What f32
+/// leaves open (a ray at an edge, two hits whose t are too close) is decided by an
+/// [`ExactRay`](geometry::exact::ExactRay), and the values of the hit that is reported are computed by one. Since every
+/// decision is that of real arithmetic, it cannot depend on a tree, a layout or the width of registers.
 #[derive(Clone, Debug)]
 pub struct WideMesh {
     pub(crate) triangles: Arc<Triangles>,
@@ -94,6 +94,10 @@ fn binary_config(config: &BuildConfig) -> BuildConfig {
 impl WideMesh {
     /// Builds a tree over `mesh`. Sets of up to `config.max_primitives_in_leaf` triangles are not divided any more;
     /// leaves of up to eight are made of them by what these cost in a wide tree, whatever the costs of `config` are.
+    /// With reinsertion, those sets are up to eight, whatever `config` says.
+    ///
+    /// Triangles with a coordinate that is NaN, infinite or beyond 2⁶⁰ are inactive: they keep their number and are
+    /// never hit.
     ///
     /// # Errors
     /// [`BuildError`] for a configuration that the builder refuses, or a mesh whose tree would be larger than 16 GiB.
@@ -122,7 +126,8 @@ impl WideMesh {
             .map_err(|why| why.of(mesh.len()))
     }
 
-    /// Collapses the tree of a mesh. `None` where it does not fit the 16 GiB that its references can name.
+    /// Collapses the tree of a mesh: for a tree that was loaded or made elsewhere, and without the feature `build`.
+    /// `None` where it does not fit the 16 GiB that its references can name.
     pub fn new(mesh: &MeshBvh, layout: WideLayout) -> Option<Self> {
         let bvh = mesh.bvh();
         let is_split = bvh.extra_references() > 0;
@@ -154,8 +159,9 @@ impl WideMesh {
     /// `parallel`, and with the same result on any number; linear in the number of triangles. Where a clone shares the
     /// tree, or it is mapped from a file, a copy is adapted.
     ///
-    /// The result is the cost of the new tree by the surface area heuristic as a part of that of the old one: where it
-    /// gets large (2, say), rays would gain by a new build. 1 where either has no area.
+    /// The result is the cost of the new tree by the surface area heuristic as a part of that of the one it was adapted
+    /// from, at the costs of [`quality`](Self::quality): where the product since the build gets large (2, say), rays
+    /// would gain by a new build. 1 where either has no area.
     ///
     /// # Errors
     /// [`RefitError`], and the tree is as it was: for another number of triangles, with spatial splits, and where a
@@ -212,7 +218,7 @@ impl WideMesh {
         self.layout
     }
 
-    /// What is kept beside the mesh itself, in bytes.
+    /// What is kept beside the mesh itself, in bytes: nodes and leaves. Clones share it.
     pub fn memory(&self) -> usize {
         self.triangles.tree.arena.memory()
     }
@@ -224,8 +230,9 @@ impl WideMesh {
         }
     }
 
-    /// The closest hit of each ray, as [`intersect`](Shape::intersect) finds it, bit for bit; as many as there are of
-    /// both.
+    /// The closest hit of each ray, as [`intersect`](Shape::intersect) finds it, bit for bit: `hits[i]` is that of
+    /// `rays[i]`, and `None` for a ray or an interval that is not valid. Where one slice is longer, its rest is left
+    /// alone.
     ///
     /// Several times as fast as a call for each where neighbours in the slice go the same way, as those of a tile of 8
     /// × 8 or 16 × 4 pixels do: they then go through the tree together. And faster where the tree is larger than the
@@ -238,7 +245,8 @@ impl WideMesh {
         }
     }
 
-    /// Whether each ray hits anything, as [`intersect_p`](Shape::intersect_p) finds it; as many as there are of both.
+    /// Whether each ray hits anything, as [`intersect_p`](Shape::intersect_p) finds it; the slices are as those of
+    /// [`intersect_many`](Self::intersect_many).
     pub fn intersect_p_many(&self, rays: &[RaySegment], hits: &mut [bool]) {
         match self.layout {
             WideLayout::Blocks => self.many::<AnyQuery<Blocks>>(rays, hits),

@@ -7,8 +7,8 @@ use geometry::{Bounds3, Hit, HitVisitor, Interval, Shape, TraversalRay, Visit};
 use crate::interaction::outgoing_direction;
 use crate::{HitKind, MediumInterface, Primitive, Surface, SurfaceInteraction};
 
-/// One shape (a sphere, a mesh, a tree over a mesh) with what its surface is: pbrt's GeometricPrimitive. The shape
-/// stands in the primitive's own space; to put it elsewhere, wrap it in a
+/// One shape (a sphere, a mesh, a tree over a mesh) with what its surface is: pbrt's GeometricPrimitive (third edition,
+/// section 4.1.1; fourth, 7.1.1). The shape stands in the primitive's own space; to put it elsewhere, wrap it in a
 /// [`TransformedPrimitive`](crate::TransformedPrimitive).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GeometricPrimitive<S> {

@@ -9,7 +9,8 @@ macro_rules! id {
         pub struct $name(NonZeroU32);
 
         impl $name {
-            /// The id of entry `index` of the caller's table; `None` for `u32::MAX`, which has no id.
+            /// The id of entry `index`, from 0, of the caller's table, which nobody looks into here; `None` for
+            /// `u32::MAX`, which has no id.
             pub const fn from_index(index: u32) -> Option<Self> {
                 match NonZeroU32::new(index.wrapping_add(1)) {
                     Some(id) => Some(Self(id)),

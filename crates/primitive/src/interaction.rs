@@ -5,16 +5,17 @@ use geometry::{Ray, SurfacePoint, TraversalRay, round_down, round_up};
 
 use crate::{MediumInterface, Surface};
 
-/// A point on a surface that a ray met: pbrt's SurfaceInteraction, in the space of the primitive that was asked (world
-/// space for a scene). The BSDF is the renderer's; [`Surface::Material`] is its hook.
+/// A point on a surface that a ray met: pbrt's SurfaceInteraction (third edition, section 2.10.1; fourth, 3.11.1), in
+/// the space of the primitive that was asked (world space for a scene). The BSDF is the renderer's;
+/// [`Surface::Material`] is its hook.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceInteraction {
     /// Position, normal and surface parameters in f64: every space it was carried through added its error there, and
     /// [`p`](Self::p) rounds to f32 once.
     pub point: SurfacePoint,
-    /// The time of the ray.
+    /// The time of the ray, in the unit of the animated transforms.
     pub time: f32,
-    /// The unit vector against the ray.
+    /// The unit vector against the ray, in the same space; of unit length up to rounding.
     pub wo: Vec3,
     /// What the surface is.
     pub surface: Surface,
@@ -23,12 +24,13 @@ pub struct SurfaceInteraction {
 }
 
 impl SurfaceInteraction {
-    /// The position.
+    /// The position, each coordinate rounded once from [`point`](Self::point).
     pub fn p(&self) -> Vec3 {
         self.point.p.as_vec3()
     }
 
-    /// For each axis a bound on the distance of [`p`](Self::p) from the exact intersection of ray and surface.
+    /// For each axis a bound on the distance of [`p`](Self::p) from the exact intersection of ray and surface: that of
+    /// [`point`](Self::point) and the rounding of `p`, rounded up.
     pub fn p_error(&self) -> Vec3 {
         let rounding = (self.p().as_dvec3() - self.point.p).abs();
         Vec3::from_array((self.point.p_error + rounding).to_array().map(round_up))
@@ -58,7 +60,8 @@ impl SurfaceInteraction {
     /// A ray from here to a place on `other`, at this time: for shadow rays to area lights, asked with
     /// `Interval::up_to(1.0)`, within which it meets neither of the two surfaces. This is pbrt's SpawnRayTo (section
     /// 6.8.6 of the fourth edition) without its shadow epsilon: both ends are moved, as [`spawn_ray`](Self::spawn_ray)
-    /// does, and that at `t = 1` also by the rounding of the direction, to first order in the errors.
+    /// does, and that at `t = 1` also by the rounding of the direction, to first order in the errors. `other` is in the
+    /// same space. Where both are at one place, the ray may have no direction, and then hits nothing.
     pub fn spawn_ray_to(&self, other: &Self) -> Ray {
         let p_error = other.p_error().as_dvec3();
         let origin = self.p_before(other.point.p - self.point.p, self.p_error().as_dvec3());
@@ -86,12 +89,13 @@ impl SurfaceInteraction {
         }))
     }
 
-    /// The normal on the side from which the ray came.
+    /// The normal on the side from which the ray came; [`n`](Self::n) where the ray runs along the surface.
     pub fn facing_normal(&self) -> Vec3 {
         if self.n().dot(self.wo) < 0.0 { -self.n() } else { self.n() }
     }
 
-    /// Whether the ray came from inside: against the normal's side.
+    /// Whether `ray`, the one that was asked, came from inside: from behind the normal. Decided in f64, where
+    /// [`facing_normal`](Self::facing_normal) rounds first; not where the ray runs along the surface.
     pub fn is_from_inside(&self, ray: &TraversalRay) -> bool {
         self.point.n.dot(ray.direction64()) > 0.0
     }

@@ -6,10 +6,13 @@
 //!
 //! Materials, lights and media are opaque ids: the caller owns the tables, and the BSDF is the renderer's.
 //!
-//! Two rules of pbrt's chapter 4 hold for everything here. *Closest hit*: as closer hits are found, everything beyond
-//! the closest so far is disqualified, and of equal `t` the smaller primitive wins; the order of testing never shows.
-//! *Material*: only primitives with a material take part in `intersect` and `intersect_p`; one without delineates
-//! media.
+//! Two rules of pbrt's chapter 4 (third edition; 7 in the fourth) hold for everything here. *Closest hit*: as closer
+//! hits are found, everything beyond the closest so far is disqualified, and of equal `t` the smaller primitive wins;
+//! the order of testing never shows. *Material*: only primitives with a material take part in `intersect` and
+//! `intersect_p`; one without delineates media.
+//!
+//! A ray is a [`TraversalRay`](geometry::TraversalRay), so it is valid; what cannot be hit (NaN, infinite, beyond 2⁶⁰)
+//! has bounds that are not, is left out by every aggregate, and keeps its number.
 //!
 //! Invariants of this crate: it knows no tree, no file and no thread. Its own aggregate is the naive list.
 

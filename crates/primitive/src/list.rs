@@ -7,7 +7,8 @@ use geometry::{Bounds3, Hit, HitVisitor, Interval, MappedVisitor, TraversalRay, 
 use crate::{HitKind, Primitive, SurfaceInteraction};
 
 /// Primitives in a row, all of them tested: the reference for every other aggregate. The primitives of its members are
-/// numbered one member after the other; numbers beyond 2⁶⁴ − 1 are not told apart.
+/// numbered one member after the other; numbers beyond 2⁶⁴ − 1 are not told apart. Members whose bound is not
+/// [valid](Bounds3::is_valid) are not asked, and keep their numbers.
 #[derive(Clone, Debug)]
 pub struct PrimitiveList<P> {
     members: Vec<P>,
@@ -33,16 +34,17 @@ impl<P: Primitive> PrimitiveList<P> {
         &self.members
     }
 
-    /// The number of the first primitive of member `index`.
+    /// The number of the first primitive of member `index`; for the number of members, how many primitives all have.
     ///
     /// # Panics
-    /// Where `index` is above the number of members, which itself is that of all primitives.
+    /// Where `index` is above the number of members.
     pub fn first_primitive(&self, index: usize) -> u64 {
         self.first[index]
     }
 
     /// The member that `hit`, which this list or a tree over it reported, belongs to: its index, and the hit as that
-    /// member reported it. Of a mesh it names the triangle.
+    /// member reported it. Of a mesh it names the triangle. Of a hit that is beyond all primitives, the index is the
+    /// number of members.
     pub fn member_of(&self, hit: &Hit) -> (usize, Hit) {
         let index = self.first.partition_point(|&first| first <= hit.primitive) - 1;
         (index, Hit { primitive: hit.primitive - self.first[index], ..*hit })

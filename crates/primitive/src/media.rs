@@ -19,7 +19,7 @@ impl MediumInterface {
     /// Vacuum on both sides.
     pub const VACUUM: Self = Self { inside: None, outside: None };
 
-    /// Whether the two media differ.
+    /// Whether the two media differ: only then is the surface a boundary.
     pub fn is_transition(&self) -> bool {
         self.inside != self.outside
     }
@@ -41,7 +41,8 @@ pub struct MediumBoundary {
 /// Surfaces without a material are crossed, and so are those with one that separate two media: a renderer asks up to
 /// the `t` of its hit. Of boundaries at the same `t`, the one that continues the medium before comes first, then the
 /// smaller primitive. A surface that the ray meets in an edge or vertex, hence in several triangles at one `t`, counts
-/// once for each pair of media.
+/// once for each pair of media. A ray that runs along a surface is taken to come from outside. Empty where the interval
+/// is, or the ray is in one medium all the way.
 pub fn medium_boundaries<P: Primitive + ?Sized>(
     primitive: &P,
     ray: &TraversalRay,

@@ -13,7 +13,8 @@ pub enum HitKind {
     MediumTransition,
 }
 
-/// Something that a ray can hit and a renderer can shade: pbrt's Primitive. Aggregates of primitives are primitives.
+/// Something that a ray can hit and a renderer can shade: pbrt's Primitive (third edition, section 4.1; fourth, 7.1).
+/// Aggregates of primitives are primitives.
 ///
 /// A primitive's space is that of whoever asks ("world"). Which hits exist is a function of the ray alone, and no hit
 /// has a `t` below the entry of the ray into [`world_bound`](Self::world_bound) as [`TraversalRay::enter`] computes it:
@@ -22,15 +23,17 @@ pub enum HitKind {
 ///
 /// Primitives are shared by threads, so `Box<dyn Primitive>` is all that a scene of many kinds needs.
 pub trait Primitive: Send + Sync {
-    /// A box around the primitive, at every time; not [valid](Bounds3::is_valid) where there is nothing to hit.
+    /// A box around the primitive, at every time; not [valid](Bounds3::is_valid) where there is nothing to hit. The
+    /// same whenever it is asked: an aggregate is built by it.
     fn world_bound(&self) -> Bounds3;
 
-    /// How many primitives it counts for in the numbering of hits; an instance counts like a copy.
+    /// How many primitives it counts for in the numbering of hits, which is from 0; an instance counts like a copy.
     fn primitive_count(&self) -> u64 {
         1
     }
 
-    /// Tells `visitor` of every hit of this `kind` with `t_min < t < t_max`, in no particular order. The visitor's
+    /// Tells `visitor` of every hit of this `kind` with `t_min < t < t_max`, in no particular order; of none where the
+    /// interval is empty. The `t` of hits are never NaN, and count in lengths of the ray's direction. The visitor's
     /// answer lowers `t_max` for the rest, or ends the visit; the last answer is returned, `Continue(t_max)` if there
     /// was none.
     fn visit_hits(&self, ray: &TraversalRay, interval: Interval, kind: HitKind, visitor: &mut dyn HitVisitor) -> Visit;
@@ -49,7 +52,8 @@ pub trait Primitive: Send + Sync {
         self.visit_hits(ray, interval, HitKind::Material, &mut FirstHit::default()).is_break()
     }
 
-    /// Describes a hit that this primitive reported for this very ray.
+    /// Describes a hit that this primitive reported for this very ray. Of any other hit nothing is promised: a
+    /// `primitive` that does not exist may end in a panic.
     fn interaction(&self, ray: &TraversalRay, hit: &Hit) -> SurfaceInteraction;
 }
 

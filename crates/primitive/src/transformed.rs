@@ -32,7 +32,8 @@ impl From<AnimatedTransform> for Placement {
 }
 
 impl Placement {
-    /// The transform from the primitive's space to the surrounding one at `time`.
+    /// The transform from the primitive's space to the surrounding one at `time`; for what time means and NaN does, see
+    /// [`AnimatedTransform::at`].
     pub fn at(&self, time: f32) -> Transform {
         match self {
             Self::Static(transform) => *transform,
@@ -40,7 +41,8 @@ impl Placement {
         }
     }
 
-    /// A box that contains the image of `bounds` at every time.
+    /// A box that contains the image of `bounds` at every time: [`Transform::bounds`] or
+    /// [`AnimatedTransform::motion_bounds`].
     pub fn bounds(&self, bounds: &Bounds3) -> Bounds3 {
         match self {
             Self::Static(transform) => transform.bounds(bounds),
@@ -56,11 +58,16 @@ impl Placement {
     }
 }
 
-/// A primitive at another place: pbrt's TransformedPrimitive. With `P = Arc<…>` many of them share one copy, and since
-/// it is a primitive itself, it nests to any depth.
+/// A primitive at another place: pbrt's TransformedPrimitive, and AnimatedPrimitive (third edition, section 4.1.2;
+/// fourth, 7.1.2). With `P = Arc<…>` many of them share one copy, and since it is a primitive itself, it nests to any
+/// depth.
 ///
 /// The ray is transformed in f64 and its direction is not normalised, so `t` and the interval mean the same inside. A
-/// ray that misses the instance's own world bound misses the instance, and no `t` lies below the entry into it.
+/// ray that misses the instance's own world bound misses the instance, and no `t` lies below the entry into it. A ray
+/// whose image is not finite, or has no direction, hits nothing inside.
+///
+/// The error of an interaction takes in what the transforms of ray and point add, to first order: up to `f32::MAX`
+/// where the ray only touches the surface.
 #[derive(Clone, Debug)]
 pub struct TransformedPrimitive<P> {
     primitive: P,
@@ -69,7 +76,8 @@ pub struct TransformedPrimitive<P> {
 }
 
 impl<P: Primitive> TransformedPrimitive<P> {
-    /// `primitive`, seen through `placement`, which carries its space into the surrounding one.
+    /// `primitive`, seen through `placement`, which carries its space into the surrounding one. Its world bound, which
+    /// is computed here, is empty where that of `primitive` is not [valid](Bounds3::is_valid).
     pub fn new(primitive: P, placement: impl Into<Placement>) -> Self {
         let placement = placement.into();
         let object_bound = primitive.world_bound();

@@ -1,4 +1,4 @@
-//! Hierarchical linear bounding volume hierarchies (Pantaleoni and Luebke 2010; Garanzha et al. 2011; pbrt, chapter 4).
+//! Hierarchical linear bounding volume hierarchies (Pantaleoni and Luebke 2010; Garanzha et al. 2011; pbrt, 4.3.3).
 
 mod coded;
 mod sort;

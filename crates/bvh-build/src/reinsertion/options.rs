@@ -3,15 +3,16 @@
 use crate::BuildError;
 
 /// The parameters of reinsertion: an optimisation of a finished tree that takes subtrees out and puts them back where
-/// they cost less (Meister and Bittner 2018).
+/// they cost less (Meister and Bittner, *Parallel Reinsertion for Bounding Volume Hierarchy Optimization*, Computer
+/// Graphics Forum 37, 2018). A build refuses what is out of range ([`BuildError::InvalidConfig`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Reinsertion {
     /// How many times candidates are chosen and better places for them looked for. Fewer where one of these passes
-    /// moves nothing. Default 3.
+    /// moves nothing; 0 moves nothing. Default 3.
     pub passes: u32,
     /// The candidates of a pass as a part of all nodes: those that could gain most, and 64 in any case. More than 0 and
-    /// at most 1; default 0.1.
+    /// at most 1, not NaN; default 0.1.
     pub fraction: f32,
 }
 
@@ -22,7 +23,7 @@ impl Default for Reinsertion {
 }
 
 impl Reinsertion {
-    /// So many passes over such a part of all nodes.
+    /// So many [`passes`](Self::passes) over such a [`fraction`](Self::fraction) of all nodes.
     pub const fn new(passes: u32, fraction: f32) -> Self {
         Self { passes, fraction }
     }

@@ -27,18 +27,23 @@ use crate::BuildError;
 
 /// Says where a part of a primitive is: bounds, within the given ones, of all that is in them of the primitive with
 /// this index; empty where nothing is. Is asked about active primitives, with [valid](Bounds3::is_valid) bounds that
-/// lie in theirs. The same question must have the same answer.
+/// lie in theirs, from any thread. The same question must have the same answer. Bounds larger than need be cost rays
+/// time; those that leave a part of the primitive out lose hits. [`geometry::clipped_triangle_bounds`] is that of a
+/// triangle.
 pub type ClippedBounds<'a> = dyn Fn(u32, &Bounds3) -> Bounds3 + Sync + 'a;
 
-/// The parameters of spatial splits.
+/// The parameters of spatial splits (Stich, Friedrich and Dietrich, *Spatial Splits in Bounding Volume Hierarchies*,
+/// High Performance Graphics 2009). A build refuses what is out of range ([`BuildError::InvalidConfig`]).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 #[must_use]
 pub struct SpatialSplits {
     /// A plane is looked for only where the children of the best other split overlap by more than this part of the
-    /// root's surface area: Stich's α. Not negative; default 10⁻⁵.
+    /// root's surface area: Stich's α. Not negative, not NaN; infinite for never, where the root has an area; default
+    /// 10⁻⁵.
     pub overlap_threshold: f32,
-    /// How many references may be added, as a part of the number of active primitives. Between 0 and 4; default 0.1.
+    /// How many references may be added, as a part of the number of active primitives. Between 0 and 4, not NaN;
+    /// default 0.1.
     /// (Of sponza's speed, 0.05 gives the most of what 0.2 gives, in 62 bytes a triangle instead of 66.)
     pub budget: f32,
     /// Space is not split where there are fewer references: it takes as much time as all the splits above together, and
@@ -53,7 +58,7 @@ impl Default for SpatialSplits {
 }
 
 impl SpatialSplits {
-    /// Such a threshold, and such a budget.
+    /// Such an [`overlap_threshold`](Self::overlap_threshold), and such a [`budget`](Self::budget).
     pub const fn new(overlap_threshold: f32, budget: f32) -> Self {
         Self { overlap_threshold, budget, least_references: 512 }
     }

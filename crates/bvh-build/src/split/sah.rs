@@ -19,7 +19,7 @@ pub(crate) use sweep::{MAX_SWEPT, Sorted};
 /// `None` where no split costs less than `leaf_cost`, or no boundary separates anything.
 ///
 /// The cost is t_trav + p_A n_A t_isect + p_B n_B t_isect. A random ray that meets the node's bounds C meets bounds A
-/// inside of them with the probability p_A = s_A / s_C, s being the surface area (pbrt, chapter 4). Requires that the
+/// inside of them with the probability p_A = s_A / s_C, s being the surface area (pbrt, 4.3.2). Requires that the
 /// centroids are not all one point, and s_C > 0.
 pub(crate) fn split(
     prims: &mut [PrimInfo],

@@ -18,17 +18,20 @@ use crate::{FlatBvh, LinearBvhNode};
 
 impl FlatBvh {
     /// Saves the tree over `geometry`, as built with `options`: whole, or not at all. A file that is there is replaced.
+    /// Whoever opens it meanwhile gets the old one or the new; of several writers the last wins. The directory must
+    /// exist. That the tree is of this geometry and these options is the caller's word.
     ///
     /// # Errors
-    /// [`CacheError::Io`]; [`CacheError::OtherLayout`] for options of another layout.
+    /// [`CacheError::Io`]; [`CacheError::OtherLayout`] for options of another layout; [`CacheError::Header`] for those
+    /// whose [description](TreeOptions::description) has more than 256 bytes.
     pub fn save(&self, path: impl AsRef<Path>, geometry: GeometryKey, options: &TreeOptions) -> Result<(), CacheError> {
         file::save(path.as_ref(), &self.header(geometry, options)?, &self.sections())
     }
 
-    /// The bytes of a file with the tree.
+    /// The bytes of a file with the tree, as [`save`](Self::save) writes it.
     ///
     /// # Errors
-    /// [`CacheError::OtherLayout`] for options of another layout.
+    /// As [`save`](Self::save), but for those of writing.
     pub fn to_bytes(&self, geometry: GeometryKey, options: &TreeOptions) -> Result<Vec<u8>, CacheError> {
         let mut bytes = Vec::new();
         file::write(&mut bytes, &self.header(geometry, options)?, &self.sections())?;
@@ -37,7 +40,8 @@ impl FlatBvh {
 
     /// Loads a tree from a file, with all checks but one: whether its boxes are around the primitives is seen by what
     /// joins them, [`MeshBvh::from_parts`](crate::MeshBvh::from_parts) and
-    /// [`BvhAggregate::from_parts`](crate::BvhAggregate::from_parts). Where `options` are given, it is a tree of such.
+    /// [`BvhAggregate::from_parts`](crate::BvhAggregate::from_parts). Where `options` are given, it is a tree of such;
+    /// else it may be any.
     ///
     /// # Errors
     /// [`CacheError`] for every file that is not that.
@@ -57,8 +61,9 @@ impl FlatBvh {
         Self::read(&bytes, Some(geometry), options)
     }
 
-    /// Loads the tree over `bounds` from the file; where there is none or it is refused, builds the tree and saves it.
-    /// What happened is in [`Cached::origin`].
+    /// Loads the tree over `bounds` from the file; where there is none or it is refused, builds the tree and saves it,
+    /// as [`save`](Self::save) does. A tree that is loaded has been held against `bounds`. What happened is in
+    /// [`Cached::origin`].
     ///
     /// # Errors
     /// [`BuildError`] where the tree must be built and cannot be; a cache that fails is no error.
@@ -82,7 +87,7 @@ impl FlatBvh {
         )
     }
 
-    /// How long a file with the tree is, in bytes.
+    /// How long a file with the tree is, in bytes, with header and padding.
     pub fn file_length(&self) -> u64 {
         let sections = self.sections().map(|section| (section.len() as u64).next_multiple_of(ALIGNMENT));
         HEADER_BYTES as u64 + sections.iter().sum::<u64>()

@@ -57,7 +57,7 @@ pub enum CacheError {
         /// Where.
         section: Section,
     },
-    /// The header's sum is right, but what it says cannot be.
+    /// The header's sum is right, but what it says cannot be; or what it is to say does not fit.
     #[error("the header of the file is not valid: {0}; rebuild the file with this program")]
     Header(&'static str),
     /// More bytes than the file says.
@@ -79,7 +79,7 @@ pub enum CacheError {
     /// The tree was built over other geometry.
     #[error("the tree was built over other geometry; build it again over this one")]
     StaleGeometry,
-    /// The tree was built in another way.
+    /// The tree was built in another way: with another configuration, or by another version of the builder.
     #[error("the tree was built as \"{found}\", not as \"{expected}\"; build it again, or ask for what is there")]
     StaleOptions {
         /// The way that was asked for.
@@ -98,7 +98,7 @@ pub enum CacheError {
     Structure(InvalidTree),
 }
 
-/// Why sections are no tree.
+/// Why sections are no tree, or none over the geometry given.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum InvalidTree {

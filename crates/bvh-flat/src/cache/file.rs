@@ -6,8 +6,8 @@ use std::path::Path;
 use super::CacheError;
 use super::header::{ALIGNMENT, Header};
 
-/// How the names of files begin that are being written. One that is left behind by a process that was ended is of no
-/// use.
+/// How the names of files begin that are being written, beside the one that they will replace. One that is left behind
+/// by a process that was ended is of no use, and may be deleted.
 pub const TEMPORARY_PREFIX: &str = ".bvh-";
 
 /// Writes header and sections, with the zeros behind each.

@@ -20,7 +20,8 @@ impl CacheInfo {
     /// Reads a header, and checks that it is whole; nothing behind it is looked at.
     ///
     /// # Errors
-    /// [`CacheError`], as for all that looks into a file.
+    /// [`CacheError`] where it cannot be read, is no header of this version, or is damaged; or where the file has
+    /// another length than it says.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, CacheError> {
         let file = OpenFile::open(path.as_ref())?;
         Ok(Self { header: Header::read(&file)?, file_length: file.len() })
@@ -41,7 +42,7 @@ impl CacheInfo {
         self.header.counts.primitives
     }
 
-    /// How many references to primitives the leaves have.
+    /// How many references to primitives the leaves have: more than active primitives where space was split.
     pub fn reference_count(&self) -> u64 {
         self.header.counts.references
     }
@@ -56,12 +57,12 @@ impl CacheInfo {
         self.header.counts.leaves
     }
 
-    /// The number of nodes on the longest path, with the leaf.
+    /// The number of nodes on the longest path, with the leaf; 0 for a tree over nothing.
     pub fn depth(&self) -> u32 {
         self.header.counts.depth
     }
 
-    /// The box around everything.
+    /// The box around everything, in the space of the primitives; empty for a tree over nothing.
     pub fn bounds(&self) -> Bounds3 {
         self.header.bounds
     }

@@ -12,13 +12,14 @@ use crate::simd::LANES;
 #[cfg(feature = "build")]
 use crate::{BuildConfig, bvh_build::BUILDER_VERSION};
 
-/// A fingerprint of geometry, of 128 bits: other bits anywhere in it make another key. Texture coordinates do not
-/// count, since no tree depends on them.
+/// A fingerprint of geometry, of 128 bits (XXH3): other bits anywhere in it, a zero of the other sign or another order
+/// make another key, unless somebody looks for two that are equal. Texture coordinates do not count, since no tree
+/// depends on them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct GeometryKey(pub(crate) u128);
 
 impl GeometryKey {
-    /// Of the vertices' positions and the triangles of a mesh.
+    /// Of the vertices' positions and the triangles of a mesh, whatever their bits. Linear in their number.
     pub fn of_mesh(mesh: &TriangleMesh) -> Self {
         let positions: &[u8] = bytemuck::cast_slice(mesh.positions());
         let triangles: &[u8] = bytemuck::cast_slice(mesh.triangles());
@@ -27,7 +28,7 @@ impl GeometryKey {
         Self(sum(&[b"mesh".as_slice(), counts.as_flattened(), sums.as_flattened()].concat()))
     }
 
-    /// Of the boxes of any primitives, in their order.
+    /// Of the boxes of any primitives, in their order, those of the inactive too.
     pub fn of_bounds(bounds: &[Bounds3]) -> Self {
         let corners: Vec<[f32; 3]> = bounds.iter().flat_map(|b| [b.min.to_array(), b.max.to_array()]).collect();
         let count = (bounds.len() as u64).to_le_bytes();
@@ -107,13 +108,13 @@ impl TreeOptions {
         self.layout
     }
 
-    /// The rest, in words.
+    /// The rest, in words: the version of the builder, and what `BuildConfig` displays.
     pub fn description(&self) -> &str {
         &self.description
     }
 
-    /// The name of a file with the tree of such options over the geometry: 32 hexadecimal digits and `.bvh`. Equal
-    /// content has an equal name, in this version of the format, so that jobs can share a directory.
+    /// The name of a file with the tree of such options over the geometry, without a directory: 32 hexadecimal digits
+    /// and `.bvh`. Equal content has an equal name, in this version of the format, so that jobs can share a directory.
     pub fn file_name(&self, geometry: GeometryKey) -> String {
         let [version, layout_version] = [VERSION, self.layout.version()].map(u32::to_le_bytes);
         let keys = [geometry.0, self.key()].map(u128::to_le_bytes);

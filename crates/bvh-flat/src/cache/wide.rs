@@ -23,10 +23,12 @@ use crate::{InvalidWideTree, WideLayout, WideMesh};
 
 impl WideMesh {
     /// Saves the tree, without the mesh, as built with `options`: whole, or not at all. A file that is there is
-    /// replaced.
+    /// replaced. Whoever opens it meanwhile gets the old one or the new; of several writers the last wins. The
+    /// directory must exist. That the tree was built with these options is the caller's word.
     ///
     /// # Errors
-    /// [`CacheError::Io`]; [`CacheError::OtherLayout`] for options of another layout.
+    /// [`CacheError::Io`]; [`CacheError::OtherLayout`] for options of another layout; [`CacheError::Header`] for those
+    /// whose [description](TreeOptions::description) has more than 256 bytes.
     pub fn save(&self, path: impl AsRef<Path>, options: &TreeOptions) -> Result<(), CacheError> {
         self.save_as(path.as_ref(), options, GeometryKey::of_mesh(self.mesh()))
     }
@@ -35,10 +37,10 @@ impl WideMesh {
         file::save(path, &self.header(options, geometry)?, &[self.section()])
     }
 
-    /// The bytes of a file with the tree, as built with `options`.
+    /// The bytes of a file with the tree, as built with `options`, as [`save`](Self::save) writes it.
     ///
     /// # Errors
-    /// [`CacheError::OtherLayout`] for options of another layout.
+    /// As [`save`](Self::save), but for those of writing.
     pub fn to_bytes(&self, options: &TreeOptions) -> Result<Vec<u8>, CacheError> {
         let mut bytes = Vec::new();
         file::write(&mut bytes, &self.header(options, GeometryKey::of_mesh(self.mesh()))?, &[self.section()])?;
@@ -46,7 +48,8 @@ impl WideMesh {
     }
 
     /// Loads the tree over `mesh` from a file, with all checks: the answers are those of the tree that was saved, bit
-    /// for bit. Where `options` are given, it is a tree of such; else it may be any.
+    /// for bit. (Where space was split, that no part of a triangle is missing rests on the checksum, which tells damage
+    /// and not malice.) Where `options` are given, it is a tree of such; else it may be any.
     ///
     /// # Errors
     /// [`CacheError`] for every file that is not that.
@@ -77,10 +80,10 @@ impl WideMesh {
     /// Loads the tree without copying it: the file is mapped into memory, with the same checks, and processes that map
     /// it share its memory.
     ///
-    /// *The risk.* While the tree or a clone of it is there, nobody may change or shorten the file. Replacing it by another,
-    /// as [`save`](Self::save) does, is no change. A file that is shortened ends the process at the next ray that comes
-    /// to what is missing, and bytes that change are not checked again. So map only what no one writes to in place; not
-    /// files on network file systems, whose servers can fail.
+    /// *The risk.* While the tree or a clone of it is there, nobody may change or shorten the file. Replacing it by
+    /// another, as [`save`](Self::save) does, is no change. A file that is shortened ends the process at the next ray
+    /// that comes to what is missing, and bytes that change are not checked again. So map only what no one writes to in
+    /// place; not files on network file systems, whose servers can fail.
     ///
     /// # Errors
     /// As [`load`](Self::load).
@@ -100,7 +103,7 @@ impl WideMesh {
     }
 
     /// Loads the tree of such a build from the file; where there is none or it is refused, builds the tree and saves
-    /// it. What happened is in [`Cached::origin`].
+    /// it, as [`save`](Self::save) does. What happened is in [`Cached::origin`].
     ///
     /// # Errors
     /// [`BuildError`] where the tree must be built and cannot be; a cache that fails is no error.
@@ -122,7 +125,7 @@ impl WideMesh {
         )
     }
 
-    /// How long a file with the tree is, in bytes.
+    /// How long a file with the tree is, in bytes, with header and padding.
     pub fn file_length(&self) -> u64 {
         (HEADER_BYTES + self.section().len()) as u64
     }

@@ -18,10 +18,10 @@ enum Set {
 }
 
 impl SimdWidth {
-    /// What any processor has.
+    /// What any processor has: the same lanes in plain code, which the compiler makes vectors of where it can.
     pub const PORTABLE: Self = Self(Set::Portable);
 
-    /// AVX2 with FMA, where the processor has them.
+    /// AVX2 with FMA, BMI1, BMI2, LZCNT and POPCNT, where the processor has them all.
     pub fn avx2() -> Option<Self> {
         #[cfg(target_arch = "x86_64")]
         if std::is_x86_feature_detected!("avx2")
@@ -36,7 +36,7 @@ impl SimdWidth {
         None
     }
 
-    /// AVX-512 (F, VL, DQ, BW) on 256 bits, where the processor has it.
+    /// AVX-512 (F, VL, DQ, BW) on 256 bits, where the processor has it and all that [`avx2`](Self::avx2) asks for.
     pub fn avx512() -> Option<Self> {
         #[cfg(target_arch = "x86_64")]
         if Self::avx2().is_some()
