@@ -1,15 +1,13 @@
 //! A shape of one's own, a torus as a signed distance field, among meshes.
 
 use std::error::Error;
-use std::ops::ControlFlow;
 
 use bvh_flat::geometry::glam::{DVec3, Vec2, dvec3};
 use bvh_flat::primitive::{GeometricPrimitive, MaterialId, MediumInterface, Primitive, Surface};
 use bvh_flat::{BuildConfig, BvhAggregate, WideMesh, geometry::*};
 
-/// How near to the surface is on it: above the rounding of f64, below that of f32.
+/// The least step, across the surface: above the rounding of f64, below that of f32.
 const NEAR: f64 = 1e-9;
-
 struct Torus;
 fn distance(p: DVec3) -> f64 {
     (p.x.hypot(p.z) - 1.0).hypot(p.y) - 0.25
@@ -20,17 +18,19 @@ impl Shape for Torus {
         Bounds3::new([-1.25, -0.25, -1.25], [1.25, 0.25, 1.25])
     }
 
-    // Sphere tracing from the box on: where it ends depends on the ray alone, as it must.
+    // Sphere tracing from the box on, all the way in and out: where the sides change depends on the ray alone, as it must.
     fn visit_hits(&self, ray: &TraversalRay, interval: Interval, visitor: &mut dyn HitVisitor) -> Visit {
         let mut t = ray.enter(&self.object_bound(), Interval::FULL).map_or(f64::INFINITY, f64::from);
         let away = |t: f64| distance(ray.origin64() + t * ray.direction64());
-        while t < interval.t_max().into() && away(t) < 4.0 {
-            if away(t) < NEAR && interval.contains(t as f32) {
-                return visitor.hit(Hit { t: t as f32, u: 0.0, v: 0.0, primitive: 0 });
+        let (mut is_outside, mut t_max) = (away(t) > 0.0, interval.t_max());
+        while t < t_max.into() && away(t) < 4.0 {
+            t += (away(t).abs().max(NEAR) / ray.direction64().length()).max(4.0 * f64::EPSILON * t);
+            if (away(t) > 0.0) != is_outside && interval.with_t_max(t_max).contains(t as f32) {
+                t_max = visitor.hit(Hit { t: t as f32, u: 0.0, v: 0.0, primitive: 0 })?;
             }
-            t += away(t).abs().max(NEAR) / ray.direction64().length();
+            is_outside = away(t) > 0.0;
         }
-        ControlFlow::Continue(interval.t_max())
+        std::ops::ControlFlow::Continue(t_max)
     }
 
     fn surface_point(&self, ray: &TraversalRay, hit: &Hit) -> SurfacePoint {

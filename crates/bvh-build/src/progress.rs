@@ -110,7 +110,7 @@ impl<'a> ProgressReporter<'a> {
     /// As [`update`](Self::update).
     #[inline]
     pub fn step(&self, i: usize) -> Result<(), Cancelled> {
-        if i.is_multiple_of(STRIDE) { self.update(STRIDE.min(self.total as usize - i)) } else { Ok(()) }
+        if i.is_multiple_of(STRIDE) { self.update(STRIDE.min((self.total as usize).saturating_sub(i))) } else { Ok(()) }
     }
 
     /// As [`step`](Self::step), of a loop that is not what the items count.
