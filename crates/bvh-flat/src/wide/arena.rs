@@ -16,7 +16,7 @@ pub(crate) const LEAF_LINES: usize = LEAF_NUMBERS / 16;
 pub(crate) const MAX_LINES: usize = 1 << 28;
 
 /// What a node refers to: another node by its first line, or a leaf by a place and a number of primitives.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Child(pub(crate) u32);
 
 impl Child {

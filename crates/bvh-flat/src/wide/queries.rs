@@ -50,26 +50,19 @@ impl<'a, Y: Layout> Asked<'a, Y> {
         self.ray.candidates::<L>(leaf.numbers(), leaf.count(), [self.interval.t_min(), t_max])
     }
 
-    /// Whether a triangle lies before or behind the start of the interval, where f64 is certain of it though f32 is
-    /// not: most often it is the one that the ray has just left. (Compiled in place, it took a seventh of the speed of
-    /// any-hit rays that never need it.)
-    #[cold]
-    #[inline(never)]
-    fn cmp_to_start(&self, ray: &TraversalRay, leaf: Child, lane: usize) -> Option<Ordering> {
+    /// Whether a triangle lies behind the start of the ray for certain: most often it is the one that the ray has just
+    /// left.
+    #[inline(always)]
+    fn is_left_behind(&self, ray: &TraversalRay, leaf: Child, lane: usize) -> bool {
         let mut scratch = Y::Scratch::new();
-        cmp_plane(ray, &self.leaf(leaf, &mut scratch)?.vertices(lane), self.interval.t_min())
+        let Some(leaf) = self.leaf(leaf, &mut scratch) else { return true };
+        cmp_plane(ray, &leaf.vertices(lane), self.interval.t_min()) == Some(Ordering::Less)
     }
 
     /// Whether t* is before the end of the interval for certain.
     #[inline(always)]
     fn is_before_end(&self, high: f32) -> bool {
         high < self.interval.t_max() && high < f32::MAX
-    }
-
-    /// Whether t* is behind its start for certain.
-    #[inline(always)]
-    fn is_behind_start(&self, low: f32) -> bool {
-        self.interval.t_min() < low
     }
 }
 
@@ -87,15 +80,14 @@ pub(crate) trait Answered<'a>: Query {
     /// The query of a ray that has come so far.
     fn resumed(asked: Asked<'a, Self::Layout>, progress: Progress) -> Self;
 
-    /// Takes a triangle that may be hit, of which f32 says too little: all but whether t* is behind the start of the
-    /// interval, where there are bounds of it.
-    fn undecided(&mut self, ray: &TraversalRay, leaf: Child, lane: usize, bounds: Option<[f32; 2]>);
+    /// Takes a triangle of which f32 says too little: at most, that it is hit for certain, if t* is in the interval.
+    fn undecided(&mut self, ray: &TraversalRay, leaf: Child, lane: usize, is_sure: bool);
 
     /// How far it has come.
     fn progress(&self) -> Progress;
 
     /// The answer, when the ray's way is at its end.
-    fn answer(&self, ray: &TraversalRay) -> Self::Answer;
+    fn answer(&mut self, ray: &TraversalRay) -> Self::Answer;
 
     /// The answers of eight rays of a packet of `rays`, into their places.
     fn answers_of<L: Lanes>(group: &Group<L>, rays: &[RaySegment], answers: &mut [Self::Answer]);
@@ -133,6 +125,37 @@ impl<'a, Q: Answered<'a>> Kernel for One<'a, '_, Q> {
         let WideTree { arena, root, .. } = &triangles.tree;
         traverse::<L, <Q::Layout as Layout>::Node>(arena, *root, ray, interval, &mut query);
         query.answer(ray)
+    }
+}
+
+/// Triangles at the start of a ray, to be decided about when its way is at its end: most often it has left one of them,
+/// for which a hit elsewhere, or in any-hit queries some hit, need not wait.
+#[derive(Clone, Copy, Default)]
+struct AtStart {
+    leaves: [(Child, u32); AtStart::CAPACITY],
+    len: usize,
+}
+
+impl AtStart {
+    const CAPACITY: usize = 4;
+
+    /// Adds lanes of a leaf, if there are any; whether there is room for no more. Without a branch: every leaf comes here,
+    /// and which one the ray has left is hard to foresee.
+    #[inline(always)]
+    fn push(&mut self, leaf: Child, lanes: u32) -> bool {
+        self.leaves[self.len % Self::CAPACITY] = (leaf, lanes);
+        self.len += usize::from(lanes != 0);
+        self.len == Self::CAPACITY
+    }
+
+    /// Takes one out.
+    #[inline(always)]
+    fn pop(&mut self) -> Option<(Child, usize)> {
+        let (leaf, lanes) = self.leaves.get_mut(self.len.wrapping_sub(1))?;
+        let lane = lanes.trailing_zeros() as usize;
+        *lanes &= lanes.wrapping_sub(1);
+        self.len -= usize::from(*lanes == 0);
+        Some((*leaf, lane))
     }
 }
 

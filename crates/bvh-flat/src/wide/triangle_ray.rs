@@ -45,8 +45,10 @@ pub(crate) struct FilterRay<L: Lanes> {
 pub(crate) struct Filtered<L: Lanes> {
     /// The lanes in which there may be a hit with t* in the interval.
     pub(crate) maybe: u32,
-    /// Those in which there is one for certain, with t* between `low` and `high`.
+    /// Those of them in which there is one for certain if t* is in the interval; it is between `low` and `high`.
     pub(crate) sure: u32,
+    /// Those of `sure` in which t* may be on either side of the start of the interval.
+    pub(crate) at_start: u32,
     pub(crate) low: L::F32,
     pub(crate) high: L::F32,
 }
@@ -55,8 +57,10 @@ pub(crate) struct Filtered<L: Lanes> {
 pub(crate) struct Candidates {
     /// The triangles that may be hit with t* in the interval.
     pub(crate) maybe: u32,
-    /// Those of them that are hit for certain, with t* between `low` and `high`.
+    /// Those of them that are hit for certain if t* is in the interval; it is between `low` and `high`.
     pub(crate) sure: u32,
+    /// Those of `sure` whose t* may be on either side of the start of the interval.
+    pub(crate) at_start: u32,
     pub(crate) low: [f32; LANES],
     pub(crate) high: [f32; LANES],
 }
@@ -115,8 +119,8 @@ impl TriangleRay {
             [L::load_vertices(leaf, count, kx), L::load_vertices(leaf, count, ky), L::load_vertices(leaf, count, kz)];
         let t = [L::splat(t_min), L::splat(t_max)];
         let filtered = self.in_lanes::<L>().filter(&vertices, L::splat(leaf[0]), (1 << count) - 1, t)?;
-        let Filtered { maybe, sure, low, high } = filtered;
-        Some(Candidates { maybe, sure, low: L::to_array(low), high: L::to_array(high) })
+        let Filtered { maybe, sure, at_start, low, high } = filtered;
+        Some(Candidates { maybe, sure, at_start, low: L::to_array(low), high: L::to_array(high) })
     }
 }
 
@@ -203,7 +207,9 @@ impl<L: Lanes> FilterRay<L> {
         let (low, high) = (L::sub(t, width), L::add(t, width));
         let sure = sure & L::lt(L::splat(LEAST), L::abs(t));
         let maybe = maybe & !(sure & (L::lt(t_max, low) | L::lt(high, t_min)));
-        Some(Filtered { maybe, sure: sure & maybe, low, high })
+        let sure = sure & maybe;
+        let at_start = sure & !L::lt(t_min, low);
+        Some(Filtered { maybe, sure, at_start, low, high })
     }
 
     /// The sheared coordinates of the ray's origin, seen from a vertex of each triangle.

@@ -73,7 +73,7 @@ impl Enclosure {
 /// With the notation and the errors of `Enclosure::of_plane`, t* < t where n·p − t n·d and n·d have different signs;
 /// the first is wrong by 8u S·|p| + 8u t S·|d| to first order, its own difference included, and so by less than 10u of
 /// both.
-#[inline]
+#[inline(always)]
 pub fn cmp_plane(ray: &TraversalRay, vertices: &[Vec3; 3], t: f32) -> Option<Ordering> {
     let plane = Plane::new(&Line { origin: ray.origin64(), direction: ray.direction64() }, vertices);
     let t = f64::from(t);

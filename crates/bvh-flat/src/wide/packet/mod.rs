@@ -319,16 +319,15 @@ impl<L: Lanes> Packets<L> {
                     continue;
                 }
                 let is_before_end = L::lt(hit.high, group.end) & L::lt(hit.high, L::splat(f32::MAX));
-                let closest = hit.sure & is_before_end & L::lt(hit.high, group.low);
-                let sure = closest & L::lt(group.t_min, hit.low);
+                let sure = hit.sure & !hit.at_start & is_before_end & L::lt(hit.high, group.low);
                 let hits = Hits::of(child, triangle, primitive, vertices);
                 group.set_found(sure, &hits, [hit.low, hit.high]);
                 for lane in LanesOf(hit.maybe & !sure) {
-                    let is_closest = closest >> lane & 1 == 1;
-                    let bounds = is_closest.then_some([L::to_array(hit.low)[lane], L::to_array(hit.high)[lane]]);
                     let progress = Progress { found: group.found(lane), t_max: L::to_array(group.t_max)[lane] };
                     let ray = &rays[usize::from(group.index[lane])];
-                    if let Some([low, high]) = undecided::<Q>(triangles, ray, progress, (child, triangle), bounds) {
+                    if let Some([low, high]) =
+                        undecided::<Q>(triangles, ray, progress, (child, triangle), hit.sure >> lane & 1 == 1)
+                    {
                         group.set_found(1 << lane, &hits, [L::splat(low), L::splat(high)]);
                     }
                 }
@@ -361,11 +360,11 @@ fn undecided<'a, Q: Answered<'a>>(
     ray: &RaySegment,
     progress: Progress,
     (leaf, lane): (Child, usize),
-    bounds: Option<[f32; 2]>,
+    is_sure: bool,
 ) -> Option<[f32; 2]> {
     let (ray, interval) = prepared(ray)?;
     let mut query = Q::resumed(Asked::new(triangles, &ray, interval), progress);
-    query.undecided(&ray, leaf, lane, bounds);
+    query.undecided(&ray, leaf, lane, is_sure);
     let Progress { found, t_max } = query.progress();
     found.filter(|found| found.leaf == leaf && found.lane == lane).map(|found| [found.low, t_max])
 }
