@@ -43,16 +43,24 @@ impl<const CAPACITY: usize> Stack<CAPACITY> {
         Some(())
     }
 
-    /// The entry pushed last among those that the ray enters at `t_max` at the latest.
+    /// The entry pushed last.
     #[inline(always)]
-    pub(crate) fn pop(&mut self, t_max: f32) -> Option<Child> {
-        while self.len > 0 {
-            self.len -= 1;
-            // SAFETY: places below the former `len` were written by `push`: `len` grows by the number of lanes written.
-            let (child, entry) =
-                unsafe { (self.children[self.len].assume_init(), self.entries[self.len].assume_init()) };
-            if entry <= t_max {
-                return Some(Child(child));
+    pub(crate) fn pop(&mut self) -> Option<Child> {
+        self.len = self.len.checked_sub(1)?;
+        // SAFETY: places below a former `len` were written by `push`: `len` grows by the number of lanes written.
+        Some(Child(unsafe { self.children[self.len].assume_init() }))
+    }
+
+    /// The entry pushed last among those that the ray enters at `t_max` at the latest.
+    ///
+    /// Rejected: to leave out the others as soon as `t_max` changes, eight at a time (primary rays of sponza and kitchen
+    /// 3 and 5 % slower), or once the last one is to be left out (within 1 %).
+    #[inline(always)]
+    pub(crate) fn pop_before(&mut self, t_max: f32) -> Option<Child> {
+        while let Some(child) = self.pop() {
+            // SAFETY: see `pop`.
+            if unsafe { self.entries[self.len].assume_init() } <= t_max {
+                return Some(child);
             }
         }
         None

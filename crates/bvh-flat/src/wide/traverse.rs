@@ -89,7 +89,7 @@ impl<L: Lanes> Way<L> {
                 self.t_max = bound;
                 self.lanes.set_t_max(bound);
             }
-            return stack.pop(self.t_max).map(Next::Back);
+            return self.back::<Q>(stack);
         }
         query.node();
         let node = N::read(arena.lines(at.line())?)?;
@@ -100,7 +100,7 @@ impl<L: Lanes> Way<L> {
         let others = met & met.wrapping_sub(1);
         if others == 0 {
             return match met {
-                0 => stack.pop(self.t_max).map(Next::Back),
+                0 => self.back::<Q>(stack),
                 _ => Some(Next::Down(node.child(met.trailing_zeros()))),
             };
         }
@@ -128,6 +128,13 @@ impl<L: Lanes> Way<L> {
             stack.push::<L>(children, entry, met)?;
         }
         Some(Next::Down(next))
+    }
+
+    /// To what is left, if anything is.
+    #[inline(always)]
+    fn back<Q: Query>(&self, stack: &mut WayStack) -> Option<Next> {
+        let child = if Q::ORDERED { stack.pop_before(self.t_max) } else { stack.pop() };
+        child.map(Next::Back)
     }
 }
 
