@@ -208,7 +208,7 @@ pub fn values_of_hit(ray: &TraversalRay, vertices: &[[f32; 3]; 3]) -> TriangleHi
 #[inline(always)]
 fn values_in_frame(frame: &Frame, vertices: &[[f32; 3]; 3]) -> (TriangleHit, bool) {
     let sheared = frame.shear_permuted(vertices);
-    let (t, t_is_certain) = sheared.t(frame.rdz());
+    let (t, t_is_certain) = sheared.t();
     let (b, b_is_certain) = sheared.barycentrics();
     (TriangleHit { t, u: unit_f32(b[0]), v: unit_f32(b[1]) }, t_is_certain & b_is_certain)
 }

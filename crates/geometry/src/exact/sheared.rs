@@ -10,15 +10,15 @@ const U: f64 = f64::EPSILON / 2.0;
 /// 2⁻⁷⁰⁰: more than underflow can add to an edge function, and less than any edge function of f32 data but zero.
 ///
 /// A product is wrong by up to 2⁻¹⁰⁷⁵ where it underflows; sums never are. In an edge function that is multiplied by
-/// two coordinates below 2¹³¹ at most. Of f32 data an edge function is a multiple of 2⁻⁴⁴⁷, over a component of the
-/// direction that is below 2¹²⁸.
+/// two sheared coordinates, which are below 2¹⁹². Of f32 data an edge function is a multiple of 2⁻⁵⁹⁶.
 const TINY: f64 = f64::from_bits((1023 - 700) << 52);
 
-/// 2⁻³⁵⁰: the reciprocal of a larger sum, and products with it, are far from the ends of f64.
-const LEAST_SUM: f64 = f64::from_bits((1023 - 350) << 52);
+/// 2⁻⁶⁵⁰: the reciprocal of a larger sum times a component of a direction, which is above 2⁻¹⁵¹, and products with it,
+/// are far from the ends of f64.
+const LEAST_SUM: f64 = f64::from_bits((1023 - 650) << 52);
 
-/// The frame in which the ray is the z axis: that of Woop, Benthin and Wald 2013 in f64, with kz the axis of the
-/// largest component of the f64 direction, so that |Sx| and |Sy| are at most 1, up to rounding.
+/// The frame in which the ray is the z axis: that of Woop, Benthin and Wald 2013 in f64, with x and y times d_z, by
+/// which nothing waits for a division; kz is the axis of the largest component of the f64 direction.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Frame {
     kx: usize,
@@ -26,23 +26,23 @@ pub(super) struct Frame {
     kz: usize,
     /// The origin in the order kx, ky, kz.
     origin: [f64; 3],
-    sx: f64,
-    sy: f64,
-    /// One over the largest component of the direction.
-    rdz: f64,
+    /// The direction in that order.
+    d: [f64; 3],
 }
 
 /// A triangle in the frame of a ray.
 ///
 /// *Errors*, with u = 2⁻⁵³ and to first order; the factors below leave a quarter and more for the rest, the roundings of
-/// the bounds included. A coordinate x = pₓ − Sₓ p_z is wrong by δ <= 2u |pₓ| + 5u |Sₓ p_z|: one rounding in each p,
-/// two in Sₓ, one in the product, one in the difference. An edge function e = x_c y_b − y_c x_b is then wrong by E <=
-/// 2δ (X + Y + δ) + 4u X Y, where X and Y bound the coordinates.
+/// the bounds included. A coordinate x = pₓ d_z − dₓ p_z is wrong by δ <= 2u |pₓ d_z| + 2u |dₓ p_z| + u |x|: one
+/// rounding in each p, one in each product, one in the difference. An edge function e = x_c y_b − y_c x_b is then wrong
+/// by E <= 2δ (X + Y + δ) + 4u X Y, where X and Y bound the coordinates.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sheared {
     x: [f64; 3],
     y: [f64; 3],
     z: [f64; 3],
+    /// The largest component of the direction.
+    dz: f64,
     /// The edge functions, each that of the edge opposite to its vertex; in real arithmetic a common multiple of
     /// det[pⱼ, pₖ, d].
     edges: [f64; 3],
@@ -58,24 +58,17 @@ impl Frame {
     /// The frame of an origin and a direction whose coordinates are in the order of these axes.
     #[inline(always)]
     pub(super) fn along([kx, ky, kz]: [usize; 3], [origin, d]: [[f64; 3]; 2]) -> Self {
-        let rdz = 1.0 / d[2];
-        Self { kx, ky, kz, origin, sx: d[0] * rdz, sy: d[1] * rdz, rdz }
-    }
-
-    /// One over the largest component of the direction.
-    #[inline]
-    pub(super) fn rdz(&self) -> f64 {
-        self.rdz
+        Self { kx, ky, kz, origin, d }
     }
 
     /// A bound on the error of the edge functions of every triangle inside of `bounds`: with M the largest coordinate
-    /// relative to the origin, δ <= 7u M and X, Y <= 2M give 72 u M² to first order; 128 is for the rest. Infinite for
-    /// bounds that are empty.
+    /// relative to the origin, times |d_z|, δ <= 6u M and X, Y <= 2M give 64 u M² to first order; 128 is for the rest.
+    /// Infinite for bounds that are empty.
     pub(super) fn edge_error(&self, bounds: &Bounds3) -> f64 {
         let [kx, ky, kz] = [self.kx, self.ky, self.kz];
         let o = DVec3::from_array(self.origin);
         let corner = |c: Vec3| DVec3::new(c[kx].into(), c[ky].into(), c[kz].into());
-        let m = (corner(bounds.min) - o).abs().max((corner(bounds.max) - o).abs()).max_element();
+        let m = (corner(bounds.min) - o).abs().max((corner(bounds.max) - o).abs()).max_element() * self.d[2].abs();
         128.0 * U * m * m + TINY
     }
 
@@ -90,11 +83,12 @@ impl Frame {
     /// Vertices whose coordinates are in the order kx, ky, kz.
     #[inline(always)]
     pub(super) fn shear_permuted(&self, vertices: &[[f32; 3]; 3]) -> Sheared {
-        let mut sheared = Sheared { x: [0.0; 3], y: [0.0; 3], z: [0.0; 3], edges: [0.0; 3] };
+        let [dx, dy, dz] = self.d;
+        let mut sheared = Sheared { x: [0.0; 3], y: [0.0; 3], z: [0.0; 3], dz, edges: [0.0; 3] };
         for (i, &[x, y, z]) in vertices.iter().enumerate() {
             let z = f64::from(z) - self.origin[2];
-            sheared.x[i] = f64::from(x) - self.origin[0] - self.sx * z;
-            sheared.y[i] = f64::from(y) - self.origin[1] - self.sy * z;
+            sheared.x[i] = (f64::from(x) - self.origin[0]) * dz - dx * z;
+            sheared.y[i] = (f64::from(y) - self.origin[1]) * dz - dy * z;
             sheared.z[i] = z;
         }
         let (x, y) = (&sheared.x, &sheared.y);
@@ -128,19 +122,19 @@ impl Sheared {
         [if c < low { c } else { low }, if c > high { c } else { high }]
     }
 
-    /// A bound on the errors of these edge functions: with R >= X, Y and Z bounding the coordinates,
-    /// |pₓ| <= R + Z and so δ <= 2u R + 7u Z, here 8u (R + Z); and E <= δ (4.5 R + 2δ), here 5 δ (R + δ).
+    /// A bound on the errors of these edge functions: with R >= X, Y and Z bounding the depths times |d_z|,
+    /// |pₓ d_z| <= R + Z and so δ <= 3u R + 4u Z, here 8u (R + Z); and E <= δ (4.5 R + 2δ), here 5 δ (R + δ).
     #[inline(always)]
     pub(super) fn edge_error(&self) -> f64 {
         let largest = |v: &[f64; 3]| larger(larger(v[0].abs(), v[1].abs()), v[2].abs());
-        let (r, z) = (larger(largest(&self.x), largest(&self.y)), largest(&self.z));
+        let (r, z) = (larger(largest(&self.x), largest(&self.y)), largest(&self.z) * self.dz.abs());
         let delta = 8.0 * U * (r + z);
         5.0 * delta * (r + delta) + TINY
     }
 
     /// The barycentrics eᵢ / Σe of the second and the third vertex, and whether they are certain within 2⁻²⁴.
     ///
-    /// Each is wrong by (E + 3E |bᵢ|) / (Σe − 3E) at most, 4E / Σe to first order, and by four roundings. (A bound that
+    /// Each is wrong by (E + 3E |bᵢ|) / (Σe − 3E) at most, 4E / Σe to first order, and by six roundings. (A bound that
     /// rounding to f32 would hide, 2⁻²⁸, was too much: it sent every triangle 10⁵ times its size away to exact
     /// numbers.)
     #[inline(always)]
@@ -148,7 +142,8 @@ impl Sheared {
         const SAFETY: f64 = (1_u64 << 26) as f64;
         let [e0, e1, e2] = self.edges;
         let sum = e0 + e1 + e2;
-        let r = 1.0 / sum;
+        // The division of `t`.
+        let r = 1.0 / (sum * self.dz) * self.dz;
         ([e1 * r, e2 * r], sum.abs() >= SAFETY * self.edge_error())
     }
 
@@ -156,15 +151,15 @@ impl Sheared {
     ///
     /// A mean of the depths Z, whose weights are wrong by 6E / (|Σe| − 3E) together, here 8E / |Σe|. The roundings: one
     /// in each z, three in the sum of products and two in Σe, of which all terms have one sign but for what E covers;
-    /// two reciprocals, two products. Here 16u Z.
+    /// two products, a reciprocal. Here 16u Z.
     #[inline(always)]
-    pub(super) fn t(&self, rdz: f64) -> (f32, bool) {
+    pub(super) fn t(&self) -> (f32, bool) {
         let ([e0, e1, e2], [z0, z1, z2]) = (self.edges, self.z);
         let sum = e0 + e1 + e2;
-        let r = 1.0 / sum;
-        let t = (e0 * z0 + e1 * z1 + e2 * z2) * r * rdz;
+        let r = 1.0 / (sum * self.dz);
+        let t = (e0 * z0 + e1 * z1 + e2 * z2) * r;
         let size = larger(larger(z0.abs(), z1.abs()), z2.abs());
-        let error = (size * rdz.abs()) * (8.0 * self.edge_error() * r.abs() + 16.0 * U);
+        let error = size * (8.0 * self.edge_error() + 16.0 * U * sum.abs()) * r.abs();
         let (low, high) = ((t - error) as f32, (t + error) as f32);
         // What may underflow or overflow is left to others.
         let is_certain = (low == high) & (low >= f32::MIN_POSITIVE) & (high < f32::MAX) & (sum.abs() >= LEAST_SUM);
