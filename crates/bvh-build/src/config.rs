@@ -304,7 +304,7 @@ impl BuildConfig {
 }
 
 /// Every parameter, in words: of configurations that a build takes, two are equal if and only if these are, but for the
-/// sign of zeros.
+/// sign of zeros. The same in fewer words, at most 200 bytes, as `{:#}`.
 impl fmt::Display for BuildConfig {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         // All of them, so that a new one is not forgotten.
@@ -331,6 +331,17 @@ impl fmt::Display for BuildConfig {
             MortonBits::Bits30 => "30",
             MortonBits::Bits63 => "63",
         };
+        if f.alternate() {
+            write!(f, "{method}/{max_primitives_in_leaf}/{traversal_cost:e}/{intersection_cost:e}/{leaf_cost:e}/")?;
+            write!(f, "{buckets}/{axes}/{full_sweep}/{bits}")?;
+            if let Some(Reinsertion { passes, fraction }) = reinsertion {
+                write!(f, "/reinsertion/{passes}/{fraction:e}")?;
+            }
+            if let Some(SpatialSplits { overlap_threshold, budget, least_references }) = spatial_splits {
+                write!(f, "/splits/{overlap_threshold:e}/{least_references}/{budget:e}")?;
+            }
+            return Ok(());
+        }
         write!(
             f,
             "{method}, leaves of at most {max_primitives_in_leaf}, costs {traversal_cost}, {intersection_cost} and {leaf_cost}, "

@@ -22,8 +22,7 @@ impl FlatBvh {
     /// exist. That the tree is of this geometry and these options is the caller's word.
     ///
     /// # Errors
-    /// [`CacheError::Io`]; [`CacheError::OtherLayout`] for options of another layout; [`CacheError::Header`] for those
-    /// whose [description](TreeOptions::description) has more than 256 bytes.
+    /// [`CacheError::Io`]; [`CacheError::OtherLayout`] for options of another layout.
     pub fn save(&self, path: impl AsRef<Path>, geometry: GeometryKey, options: &TreeOptions) -> Result<(), CacheError> {
         file::save(path.as_ref(), &self.header(geometry, options)?, &self.sections())
     }

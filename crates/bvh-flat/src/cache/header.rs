@@ -25,6 +25,10 @@ const FIELDS_AT: usize = 32;
 const RECORD_AT: usize = 64;
 const MAX_RECORD: usize = HEADER_BYTES - RECORD_AT;
 
+/// The most bytes of a description of options: what the rest of a header leaves.
+#[cfg(feature = "build")]
+pub(crate) const MAX_DESCRIPTION: usize = HEADER_BYTES - 256;
+
 /// What the header says of a tree; its sections are where they follow from it.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Header {

@@ -5,6 +5,8 @@ use std::fmt;
 use geometry::{Bounds3, TriangleMesh};
 
 use super::checksum::{sum, sum_of_pieces};
+#[cfg(feature = "build")]
+use super::header::MAX_DESCRIPTION;
 use super::header::VERSION;
 use crate::WideLayout;
 #[cfg(feature = "build")]
@@ -100,7 +102,9 @@ impl TreeOptions {
             TreeLayout::Binary => *config,
             TreeLayout::Wide(_) => config.with_max_primitives_in_leaf(config.max_primitives_in_leaf.min(LANES as u32)),
         };
-        Self { layout, description: format!("builder {BUILDER_VERSION}: {config}") }
+        let in_words = format!("builder {BUILDER_VERSION}: {config}");
+        let fits = in_words.len() <= MAX_DESCRIPTION;
+        Self { layout, description: if fits { in_words } else { format!("builder {BUILDER_VERSION}: {config:#}") } }
     }
 
     /// The layout.
@@ -108,7 +112,8 @@ impl TreeOptions {
         self.layout
     }
 
-    /// The rest, in words: the version of the builder, and what `BuildConfig` displays.
+    /// The rest, in words: the version of the builder, and what `BuildConfig` displays; alternatively, where that is
+    /// more than 256 bytes.
     pub fn description(&self) -> &str {
         &self.description
     }
@@ -123,5 +128,38 @@ impl TreeOptions {
 
     pub(crate) fn key(&self) -> u128 {
         sum(&[&self.layout.code().to_le_bytes(), self.description.as_bytes()].concat())
+    }
+}
+
+#[cfg(all(test, feature = "build"))]
+mod tests {
+    use bvh_build::{BuildConfig, Reinsertion, SpatialSplits};
+
+    use super::*;
+
+    #[test]
+    fn every_configuration_has_a_description_of_its_own_that_fits_the_header() {
+        let long = |cost: f32, fraction: f32, budget: f32| {
+            let splits = SpatialSplits::new(f32::from_bits(0x5d_1745), budget).with_least_references(u32::MAX);
+            BuildConfig::highest()
+                .with_costs(cost, 0.333_333_34)
+                .with_leaf_cost(1.234_567_9e-38)
+                .with_max_primitives_in_leaf(65_535)
+                .with_reinsertion(Some(Reinsertion::new(u32::MAX, fraction)))
+                .with_spatial_splits(Some(splits))
+        };
+        let least = f32::from_bits(1);
+        let mut configs: Vec<_> = BuildConfig::PRESETS.map(|(_, config)| config).to_vec();
+        configs.extend([long(0.1, 0.1, 0.1), long(0.2, 0.1, 0.1), long(0.1, least, 0.1), long(0.1, 0.1, least)]);
+        configs.extend([configs[5].with_spatial_splits(None), configs[5].with_reinsertion(None)]);
+        let of = |config| TreeOptions::new(config, TreeLayout::Binary).description;
+        for (i, a) in configs.iter().enumerate() {
+            assert!(of(a).len() <= MAX_DESCRIPTION, "{}", of(a));
+            assert!(format!("{a:#}").len() <= 200, "{a:#}");
+            for b in &configs[..i] {
+                assert_ne!(of(a), of(b));
+                assert_ne!(format!("{a:#}"), format!("{b:#}"));
+            }
+        }
     }
 }

@@ -27,8 +27,7 @@ impl WideMesh {
     /// directory must exist. That the tree was built with these options is the caller's word.
     ///
     /// # Errors
-    /// [`CacheError::Io`]; [`CacheError::OtherLayout`] for options of another layout; [`CacheError::Header`] for those
-    /// whose [description](TreeOptions::description) has more than 256 bytes.
+    /// [`CacheError::Io`]; [`CacheError::OtherLayout`] for options of another layout.
     pub fn save(&self, path: impl AsRef<Path>, options: &TreeOptions) -> Result<(), CacheError> {
         self.save_as(path.as_ref(), options, GeometryKey::of_mesh(self.mesh()))
     }
