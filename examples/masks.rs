@@ -35,8 +35,9 @@ fn square(y: f32) -> Result<GeometricPrimitive<WideMesh>, Box<dyn Error>> {
 fn main() -> Result<(), Box<dyn Error>> {
     let members = [0.0, 4.0, 2.0, 3.0].into_iter().map(square).collect::<Result<_, _>>()?;
     let world = World::build(members, &BuildConfig::balanced())?;
-    for x in [0.1, 0.8] {
-        let ray = TraversalRay::new(&Ray::new([x, 2.5, 0.0], [0.0, -1.0, 0.0])).ok_or("the ray has no direction")?;
+    // Through the leaf's hole, onto the leaf, and from below it.
+    for [x, y] in [[0.1, 2.5], [0.8, 2.5], [-0.9, 1.5]] {
+        let ray = TraversalRay::new(&Ray::new([x, y, 0.0], [0.0, -1.0, 0.0])).ok_or("the ray has no direction")?;
         let mut seen = ClosestHit::among(Interval::FULL, |hit| is_met(&world, CAMERA, hit));
         let _ = world.visit_hits(&ray, Interval::FULL, HitKind::Material, &mut seen);
         let hit = seen.hit().ok_or("the floor is below")?;
@@ -48,7 +49,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let (to_lamp, way) = (TraversalRay::new(&to_lamp).ok_or("no way")?, Interval::up_to(1.0));
         let mut blocker = FirstHit::among(way, |hit| is_met(&world, SHADOW, hit));
         let is_lit = world.visit_hits(&to_lamp, way, HitKind::Material, &mut blocker).is_continue();
-        println!("x = {x}: the {} is seen, {}", NAMES[member], if is_lit { "lit" } else { "in shadow" });
+        println!("from {x}, {y}: the {} is seen, {}", NAMES[member], if is_lit { "lit" } else { "in shadow" });
     }
     Ok(())
 }

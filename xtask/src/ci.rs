@@ -165,6 +165,19 @@ mod tests {
     }
 
     #[test]
+    fn the_library_is_documented_with_each_choice_of_features() {
+        let steps = steps(Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("a workspace"), &[], false);
+        let steps = steps.expect("the examples are there");
+        for features in ["--no-default-features", "--all-features"] {
+            let mut documented = steps.iter().filter(|step| step.words[0] == "doc" && step.line().contains(features));
+            assert!(documented.any(|step| {
+                let all = CRATES.iter().all(|name| step.words.iter().any(|word| word == name));
+                all && step.environment == Some(("RUSTDOCFLAGS", "-D warnings"))
+            }));
+        }
+    }
+
+    #[test]
     fn every_example_is_run() {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("a workspace");
         let lines: Vec<String> =

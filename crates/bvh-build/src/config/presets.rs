@@ -21,15 +21,15 @@ impl BuildConfig {
         Self::new(SplitMethod::Hlbvh).with_max_primitives_in_leaf(8)
     }
 
-    /// A better tree in two to three times the time: [`SplitMethod::Hlbvh`], and one pass of [`Reinsertion`].
+    /// A better tree, in more time: [`SplitMethod::Hlbvh`], and one pass of [`Reinsertion`].
     pub const fn fast() -> Self {
         Self::new(SplitMethod::Hlbvh).with_reinsertion(Some(Reinsertion::new(1, 0.05)))
     }
 
     /// A good tree of whatever there is, in little time: [`SplitMethod::Sah`] over 32 buckets on all axes.
     ///
-    /// Leaves of up to five, and no full sweeps: with four and sweeps of 16, a build takes 1.05 to 1.1 times as long,
-    /// and no rays are faster. With eight it takes 0.83 of the time, and kitchen's rays 1.06.
+    /// Leaves of up to five, and no full sweeps: with four and sweeps of 16, a build took 1.05 to 1.1 times as long, and
+    /// no rays were faster. With eight it took 0.83 of the time, and kitchen's rays 1.06.
     pub const fn balanced() -> Self {
         Self::new(SplitMethod::Sah)
             .with_buckets(32)
@@ -38,16 +38,15 @@ impl BuildConfig {
             .with_max_primitives_in_leaf(5)
     }
 
-    /// A better tree: [`SplitMethod::Sah`] over 64 buckets on all axes, then [`Reinsertion`], in one and a half to two
-    /// times the time of [`balanced`](Self::balanced); and where the builder can ask for the parts of primitives, with
-    /// [`SpatialSplits`] of large nodes, in three to seven times that time.
+    /// A better tree for rays that go on for hours: [`SplitMethod::Sah`] over 64 buckets on all axes, then
+    /// [`Reinsertion`]; and where the builder can ask for the parts of primitives, [`SpatialSplits`] of large nodes,
+    /// which take most of the time.
     pub const fn high() -> Self {
         let splits = SpatialSplits::new(1e-5, 0.1).with_least_references(4096);
         Self { spatial_splits: Some(splits), ..Self::highest() }
     }
 
-    /// The best tree: as [`high`](Self::high), with [`SpatialSplits`] of smaller nodes too, in four to fourteen times
-    /// the time of [`balanced`](Self::balanced).
+    /// The best tree: as [`high`](Self::high), with [`SpatialSplits`] of smaller nodes too.
     pub const fn highest() -> Self {
         Self::new(SplitMethod::Sah)
             .with_buckets(64)
