@@ -82,6 +82,15 @@ fn who_uses_whom() {
     }
 }
 
+/// A newcomer can copy each: they have what a crate elsewhere has.
+#[test]
+fn examples_use_the_library_alone() {
+    let manifest: toml::Table = read(&root().join("examples/Cargo.toml")).parse().expect("is TOML");
+    assert!(!manifest.contains_key("dependencies"));
+    let names: Vec<&String> = manifest["dev-dependencies"].as_table().expect("is a table").keys().collect();
+    assert_eq!(names, ["bvh-flat", "png", "rayon"]);
+}
+
 #[test]
 fn the_library_prints_nothing_and_reads_no_clock() {
     let words = ["print", "println", "eprint", "eprintln", "dbg", "stdout", "stderr", "Instant", "SystemTime", "env"];
