@@ -2,14 +2,23 @@
 
 use std::error::Error;
 
-use bvh_flat::geometry::{Interval, Ray, Shape, TraversalRay};
+use bvh_flat::geometry::{Interval, MeshError, Ray, Shape, TraversalRay, TriangleMesh};
 use bvh_flat::{BuildConfig, RaySegment, WideMesh};
 use rayon::prelude::*;
 
+/// Waves on a pond of 200 x 200 squares of two triangles, from its middle on.
+fn waves() -> Result<TriangleMesh, MeshError> {
+    let positions = (0..201 * 201).map(|i| {
+        let [x, z] = [i % 201, i / 201].map(|i| i as f32 / 100.0 - 1.0);
+        [x, 0.1 * (20.0 * x.hypot(z)).cos(), z]
+    });
+    let triangles = (0..200 * 200).map(|i| i / 200 * 201 + i % 200);
+    TriangleMesh::new(positions, triangles.flat_map(|a| [[a, a + 201, a + 1], [a + 1, a + 201, a + 202]]).collect())
+}
+
 fn main() -> Result<(), Box<dyn Error>> {
     // The build itself uses all threads, and gives the same bytes for any number of them.
-    let mesh = scene::meshes::torus_knot([2, 3], [1.0, 0.4], 0.25, 200, 32)?;
-    let mesh = WideMesh::build(mesh, &BuildConfig::balanced())?;
+    let mesh = WideMesh::build(waves()?, &BuildConfig::balanced())?;
 
     // A tree is shared as it is: a query needs no more than a reference.
     let (width, height) = (72, 36);
@@ -20,7 +29,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             let row = (0..width).map(|x| {
                 let ray = TraversalRay::new(&Ray::new(origin(x, y), [0.0, -1.0, 0.0]));
                 let hit = ray.and_then(|ray| mesh.intersect(&ray, Interval::FULL));
-                hit.map_or(' ', |hit| if hit.t < 4.0 { '#' } else { '+' })
+                hit.map_or(' ', |hit| if hit.t < 4.0 { '#' } else { '.' })
             });
             row.collect()
         })

@@ -32,6 +32,11 @@ impl Step {
         Self { words: line.split(' ').map(str::to_owned).collect(), environment: None }
     }
 
+    /// Of documentation, in which a warning is an error.
+    fn doc(line: &str) -> Self {
+        Self { environment: Some(("RUSTDOCFLAGS", "-D warnings")), ..Self::new(line) }
+    }
+
     fn line(&self) -> String {
         let variable = self.environment.map_or(String::new(), |(name, value)| format!("{name}=\"{value}\" "));
         format!("{variable}cargo {}", self.words.join(" "))
@@ -53,17 +58,26 @@ impl Step {
 pub fn run(arguments: &Arguments) -> Result<()> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().context("the workspace is around the runner")?;
     let (installed, absent): (Vec<&str>, Vec<&str>) = TARGETS.into_iter().partition(|target| is_installed(target));
-    let steps = steps(root, &installed)?;
+    let has_deny = is_deny_installed();
+    let steps = steps(root, &installed, has_deny)?;
     for (i, step) in (1..).zip(&steps) {
         println!("{i}/{}  {}", steps.len(), step.line());
         if !arguments.list {
             step.run(root)?;
         }
     }
+    if !has_deny {
+        println!("not checked: licences and sources of the dependencies; cargo install --locked cargo-deny");
+    }
     for target in absent {
         println!("not checked for {target}: rustup target add {target}");
     }
     Ok(())
+}
+
+/// Whether cargo has `cargo deny`.
+fn is_deny_installed() -> bool {
+    Command::new("cargo-deny").arg("--version").output().is_ok_and(|output| output.status.success())
 }
 
 /// Whether the toolchain has the standard library of a target.
@@ -73,12 +87,21 @@ fn is_installed(target: &str) -> bool {
     output.is_ok_and(|output| Path::new(String::from_utf8_lossy(&output.stdout).trim()).is_dir())
 }
 
-fn steps(root: &Path, targets: &[&str]) -> Result<Vec<Step>> {
+fn steps(root: &Path, targets: &[&str], has_deny: bool) -> Result<Vec<Step>> {
     let mut steps = vec![
         Step::new("fmt --all --check"),
         Step::new("clippy --locked --workspace --all-targets -- -D warnings"),
-        Step { environment: Some(("RUSTDOCFLAGS", "-D warnings")), ..Step::new("doc --locked --workspace --no-deps") },
+        Step::doc("doc --locked --no-deps --workspace"),
     ];
+    // Links lead to items that every choice of features has.
+    let packages = CRATES.map(|name| format!("-p {name}")).join(" ");
+    for features in ["--no-default-features", "--all-features"] {
+        steps.push(Step::doc(&format!("doc --locked --no-deps {features} {packages}")));
+    }
+    if has_deny {
+        // Without advisories, which need a network.
+        steps.push(Step::new("deny check bans licenses sources"));
+    }
     // Each of the library's crates by itself, as its users have it.
     for name in CRATES {
         steps.push(Step::new(&format!("check --locked -p {name} --no-default-features")));
@@ -121,7 +144,7 @@ mod tests {
     #[test]
     fn every_crate_is_built_alone_for_every_target() {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("a workspace");
-        let steps = steps(root, &TARGETS).expect("the examples are there");
+        let steps = steps(root, &TARGETS, true).expect("the examples are there");
         let lines: Vec<String> = steps.iter().map(Step::line).collect();
         let (mut names, mut next) = (vec!["bvh-flat".to_owned()], 0);
         while let Some(name) = names.get(next) {
@@ -142,9 +165,23 @@ mod tests {
     }
 
     #[test]
+    fn the_library_is_documented_with_each_choice_of_features() {
+        let steps = steps(Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("a workspace"), &[], false);
+        let steps = steps.expect("the examples are there");
+        for features in ["--no-default-features", "--all-features"] {
+            let mut documented = steps.iter().filter(|step| step.words[0] == "doc" && step.line().contains(features));
+            assert!(documented.any(|step| {
+                let all = CRATES.iter().all(|name| step.words.iter().any(|word| word == name));
+                all && step.environment == Some(("RUSTDOCFLAGS", "-D warnings"))
+            }));
+        }
+    }
+
+    #[test]
     fn every_example_is_run() {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("a workspace");
-        let lines: Vec<String> = steps(root, &[]).expect("the examples are there").iter().map(Step::line).collect();
+        let lines: Vec<String> =
+            steps(root, &[], false).expect("the examples are there").iter().map(Step::line).collect();
         let manifest = std::fs::read_to_string(root.join("examples/Cargo.toml")).expect("the manifest is there");
         let names: Vec<&str> =
             manifest.lines().filter_map(|l| l.strip_prefix("path = \"")?.strip_suffix(".rs\"")).collect();

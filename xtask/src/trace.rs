@@ -8,7 +8,7 @@ use bvh_flat::primitive::{HitKind, Primitive};
 use clap::Args;
 use npyz::WriterBuilder;
 use rayon::prelude::*;
-use scene::{CompiledScene, RaySegment};
+use scene::{CompiledScene, SceneRay};
 
 use crate::input::{self, SCENE_HELP, SceneSource, SplitMethodName};
 use crate::table::count;
@@ -57,7 +57,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-fn trace(compiled: &CompiledScene, rays: &[RaySegment], any_hit: bool) -> Result<Vec<HitRecord>> {
+fn trace(compiled: &CompiledScene, rays: &[SceneRay], any_hit: bool) -> Result<Vec<HitRecord>> {
     rays.par_iter()
         .map(|segment| {
             let Some(ray) = TraversalRay::new(&segment.ray) else { return Ok(MISS) };
@@ -83,7 +83,7 @@ fn first_found(primitive: &impl Primitive, ray: &TraversalRay, interval: Interva
 }
 
 /// Reads a .rays or a .npy file.
-pub fn read_rays(path: &Path) -> Result<Vec<RaySegment>> {
+pub fn read_rays(path: &Path) -> Result<Vec<SceneRay>> {
     match path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).as_deref() {
         Some("npy") => read_npy(path),
         Some("rays") => Ok(scene::read_rays(path)?),
@@ -91,7 +91,7 @@ pub fn read_rays(path: &Path) -> Result<Vec<RaySegment>> {
     }
 }
 
-fn read_npy(path: &Path) -> Result<Vec<RaySegment>> {
+fn read_npy(path: &Path) -> Result<Vec<SceneRay>> {
     let context = || format!("{}: cannot be read as an array", path.display());
     let bytes = std::fs::read(path).with_context(context)?;
     let npy = npyz::NpyFile::new(&bytes[..]).with_context(context)?;
@@ -117,7 +117,7 @@ fn read_npy(path: &Path) -> Result<Vec<RaySegment>> {
             npyz::Order::Fortran => values[rows * column + row],
         });
         let [ox, oy, oz, t_min, dx, dy, dz, t_max] = v;
-        RaySegment { ray: Ray::new([ox, oy, oz], [dx, dy, dz]), interval: Interval::new(t_min, t_max) }
+        SceneRay { ray: Ray::new([ox, oy, oz], [dx, dy, dz]), interval: Interval::new(t_min, t_max) }
     };
     Ok((0..rows).map(segment).collect())
 }

@@ -1,5 +1,7 @@
 //! How a tree is to be built.
 
+mod presets;
+
 use std::fmt;
 
 use crate::{BuildError, Reinsertion, SpatialSplits};
@@ -126,15 +128,6 @@ const MAX_LEAF: u32 = u16::MAX as u32;
 pub(crate) const MAX_BUCKETS: usize = 64;
 
 impl BuildConfig {
-    /// The presets with their names, from the fastest build to the best tree.
-    pub const PRESETS: [(&str, Self); 5] = [
-        ("fastest", Self::fastest()),
-        ("fast", Self::fast()),
-        ("balanced", Self::balanced()),
-        ("high", Self::high()),
-        ("highest", Self::highest()),
-    ];
-
     /// `split_method` with the default for everything else.
     pub const fn new(split_method: SplitMethod) -> Self {
         Self {
@@ -150,64 +143,6 @@ impl BuildConfig {
             reinsertion: None,
             spatial_splits: None,
         }
-    }
-
-    /// The tree now: [`SplitMethod::Hlbvh`] with leaves of up to eight.
-    ///
-    /// The presets, measured as wide trees of kitchen (1.4 million triangles) and sponza (66 thousand): the time of a
-    /// build on one thread, and the speed of primary, diffuse, shadow and random rays in geometric mean. AMD EPYC (Zen
-    /// 4), feature `mmap`, processor time on a busy machine, 2026-11-25.
-    ///
-    /// | preset | kitchen | | sponza | |
-    /// |---|--:|--:|--:|--:|
-    /// | `fastest` | 0.22 s | 4.8 Mray/s | 8 ms | 4.7 Mray/s |
-    /// | `fast` | 0.52 s | 5.7 Mray/s | 20 ms | 5.5 Mray/s |
-    /// | `balanced` | 0.67 s | 5.5 Mray/s | 24 ms | 5.5 Mray/s |
-    /// | `high` without spatial splits | 1.1 s | 6.3 Mray/s | 38 ms | 6.2 Mray/s |
-    /// | `high` | 2.6 s | 6.2 Mray/s | 108 ms | 6.5 Mray/s |
-    /// | `highest` | 3.3 s | 6.2 Mray/s | 220 ms | 6.6 Mray/s |
-    ///
-    /// Large triangles among small ones are what reinsertion and spatial splits are good for. Of scans all trees are
-    /// nearly as good (dragon: 4.5, 4.7, 5.1 and 5.1 Mray/s), and `balanced` is the better one of the two in the
-    /// middle.
-    pub const fn fastest() -> Self {
-        Self::new(SplitMethod::Hlbvh).with_max_primitives_in_leaf(8)
-    }
-
-    /// A better tree in two to three times the time: [`SplitMethod::Hlbvh`], and one pass of [`Reinsertion`].
-    pub const fn fast() -> Self {
-        Self::new(SplitMethod::Hlbvh).with_reinsertion(Some(Reinsertion::new(1, 0.05)))
-    }
-
-    /// A good tree of whatever there is, in little time: [`SplitMethod::Sah`] over 32 buckets on all axes.
-    ///
-    /// Leaves of up to five, and no full sweeps: with four and sweeps of 16, a build takes 1.05 to 1.1 times as long,
-    /// and no rays are faster. With eight it takes 0.83 of the time, and kitchen's rays 1.06.
-    pub const fn balanced() -> Self {
-        Self::new(SplitMethod::Sah)
-            .with_buckets(32)
-            .with_axes(SplitAxes::All)
-            .with_full_sweep(0)
-            .with_max_primitives_in_leaf(5)
-    }
-
-    /// A better tree: [`SplitMethod::Sah`] over 64 buckets on all axes, then [`Reinsertion`], in one and a half to two
-    /// times the time of [`balanced`](Self::balanced); and where the builder can ask for the parts of primitives, with
-    /// [`SpatialSplits`] of large nodes, in three to seven times that time.
-    pub const fn high() -> Self {
-        let splits = SpatialSplits::new(1e-5, 0.1).with_least_references(4096);
-        Self { spatial_splits: Some(splits), ..Self::highest() }
-    }
-
-    /// The best tree: as [`high`](Self::high), with [`SpatialSplits`] of smaller nodes too, in four to fourteen times
-    /// the time of [`balanced`](Self::balanced).
-    pub const fn highest() -> Self {
-        Self::new(SplitMethod::Sah)
-            .with_buckets(64)
-            .with_axes(SplitAxes::All)
-            .with_full_sweep(64)
-            .with_spatial_splits(Some(SpatialSplits::new(1e-5, 0.1)))
-            .with_reinsertion(Some(Reinsertion::new(3, 0.1)))
     }
 
     /// The same with another [`max_primitives_in_leaf`](Self::max_primitives_in_leaf).

@@ -299,7 +299,7 @@ impl Shape for WideMesh {
         }
     }
 
-    #[inline]
+    // Not inlined into other crates, nor the next: each would compile all kernels again, and by its own profile.
     fn intersect(&self, ray: &TraversalRay, interval: Interval) -> Option<Hit> {
         match self.layout {
             WideLayout::Blocks => self.one::<ClosestQuery<Blocks>>(ray, interval),
@@ -307,7 +307,6 @@ impl Shape for WideMesh {
         }
     }
 
-    #[inline]
     fn intersect_p(&self, ray: &TraversalRay, interval: Interval) -> bool {
         match self.layout {
             WideLayout::Blocks => self.one::<AnyQuery<Blocks>>(ray, interval),

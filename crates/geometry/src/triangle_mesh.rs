@@ -168,11 +168,33 @@ impl TriangleMesh {
     /// # Panics
     /// Where `i` is not below [`len`](Self::len).
     pub fn triangle_surface_point(&self, i: usize, ray: &TraversalRay) -> SurfacePoint {
-        let uvs = match &self.uvs {
+        triangle_surface_point(ray, &self.vertices(i), &self.corner_uvs(i))
+    }
+
+    /// The surface of triangle `i` at (1 − u − v) a + u b + v c, where no ray has been: a place on an area light. `u` and
+    /// `v` are at least 0, their sum is at most 1. For places spread evenly over the triangle, of two numbers r and s in
+    /// [0, 1): u = 1 − √r, v = s √r.
+    ///
+    /// # Panics
+    /// Where `i` is not below [`len`](Self::len).
+    pub fn surface_at(&self, i: usize, u: f32, v: f32) -> SurfacePoint {
+        let [a, b, c] = self.vertices(i).map(Vec3::as_dvec3);
+        let [uv_a, uv_b, uv_c] = self.corner_uvs(i);
+        let n = (b - a).cross(c - a).normalize_or_zero();
+        let uv = (1.0 - u - v) * uv_a + u * uv_b + v * uv_c;
+        let [u, v] = [u, v].map(f64::from);
+        let p = (1.0 - u - v) * a + u * b + v * c;
+        // Two roundings of the first weight, one of each product, two of the sums, of 2⁻⁵³ each.
+        let size = a.abs().max(b.abs()).max(c.abs());
+        SurfacePoint { p, p_error: size * (4.0 * f64::EPSILON), n, uv }
+    }
+
+    /// The texture coordinates of the corners of triangle `i`.
+    fn corner_uvs(&self, i: usize) -> [Vec2; 3] {
+        match &self.uvs {
             Some(uvs) => self.triangles[i].map(|v| uvs[v as usize]),
             None => [Vec2::ZERO, Vec2::X, Vec2::Y],
-        };
-        triangle_surface_point(ray, &self.vertices(i), &uvs)
+        }
     }
 }
 
@@ -242,6 +264,32 @@ mod tests {
         let moved = quads.clone().with_positions(quads.positions().iter().map(|&p| p + Vec3::Z)).expect("as many");
         assert_eq!(moved, quad(&[1.0, 2.0]).with_uvs([[0.25, 0.5]; 8]).expect("as many"));
         assert_eq!(quads.with_positions([[0.0; 3]]), Err(MeshError::PositionCount { expected: 8, found: 1 }));
+    }
+
+    /// Of corners and weights that are integers over powers of two, in integers.
+    #[test]
+    fn surfaces_are_within_their_error_of_the_exact_place() {
+        let mut state = 1_u64;
+        let mut next = move |bits: u32| {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> (64 - bits)) as i128
+        };
+        for _ in 0..10_000 {
+            let corners = [0; 3].map(|_| [0; 3].map(|_| next(24) - (1 << 23)));
+            let mesh = TriangleMesh::new(corners.map(|p| p.map(|x| x as f32)), vec![[0, 1, 2]]).expect("in range");
+            let u = next(24);
+            let v = next(24).min((1 << 24) - u);
+            let [u32, v32] = [u, v].map(|x| x as f32 / (1 << 24) as f32);
+            let point = mesh.surface_at(0, u32, v32);
+            for i in 0..3 {
+                let [a, b, c] = corners.map(|p| p[i]);
+                let exact = (((1 << 24) - u - v) * a + u * b + v * c) << 16;
+                let distance = (point.p[i] * 2.0_f64.powi(40)) as i128 - exact;
+                assert!(distance.abs() as f64 <= point.p_error[i] * 2.0_f64.powi(40), "{point:?}");
+            }
+            assert_eq!(point.uv, Vec2::new(u32, v32));
+            assert!((point.n.length() - 1.0).abs() < 1e-12);
+        }
     }
 
     #[test]

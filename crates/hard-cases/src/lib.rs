@@ -27,6 +27,7 @@ pub use cache::{check_fuzzed, files_with_huge_counts, fuzzed_mesh};
 pub use outcome::{Outcome, Tries};
 pub use random::Random;
 pub use subject::{AnyShape, BinaryWatertight, Library, Subject};
+pub use triangles::findings::{Distribution, Findings, Quantity};
 
 /// How much is tried.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

@@ -58,30 +58,3 @@ pub(crate) const CASES: &[Case] = &[
     configurations::T39,
     real::T40,
 ];
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::boxes::assert_passes;
-    use crate::{BINARY_OPEN, BinaryWatertight, Library, OPEN};
-    use bvh_flat::BuildConfig;
-    use bvh_flat::bvh_build::SpatialSplits;
-
-    #[test]
-    fn the_library_passes_all_but_the_open_ones() {
-        assert_passes(&Library::default(), CASES, &OPEN);
-    }
-
-    /// Splits wherever they gain anything, so that small meshes have them too.
-    #[test]
-    fn the_library_passes_them_where_space_is_split() {
-        let eager = SpatialSplits::new(0.0, 1.0).with_least_references(2);
-        let config = BuildConfig::highest().with_spatial_splits(Some(eager));
-        assert_passes(&Library { config }, CASES, &OPEN);
-    }
-
-    #[test]
-    fn binary_trees_with_watertight_kernels_fail_what_is_known() {
-        assert_passes(&BinaryWatertight::default(), CASES, &BINARY_OPEN);
-    }
-}

@@ -32,8 +32,7 @@ impl SurfaceInteraction {
     /// For each axis a bound on the distance of [`p`](Self::p) from the exact intersection of ray and surface: that of
     /// [`point`](Self::point) and the rounding of `p`, rounded up.
     pub fn p_error(&self) -> Vec3 {
-        let rounding = (self.p().as_dvec3() - self.point.p).abs();
-        Vec3::from_array((self.point.p_error + rounding).to_array().map(round_up))
+        rounded_error(&self.point)
     }
 
     /// The geometric normal, towards the outside of the surface (not towards the ray); of unit length up to rounding.
@@ -54,39 +53,26 @@ impl SurfaceInteraction {
     /// (section 6.8.6 of the fourth edition), with the sum in f64, so that no coordinate moves that need not.
     pub fn spawn_ray(&self, direction: impl Into<Vec3>) -> Ray {
         let direction = direction.into();
-        Ray::new(self.p_before(direction.as_dvec3(), self.p_error().as_dvec3()), direction).at_time(self.time)
+        let origin = p_before(&self.point, direction.as_dvec3(), self.p_error().as_dvec3());
+        Ray::new(origin, direction).at_time(self.time)
     }
 
-    /// A ray from here to a place on `other`, at this time: for shadow rays to area lights, asked with
+    /// A ray from here to a point on another surface, at this time: for shadow rays to area lights, asked with
     /// `Interval::up_to(1.0)`, within which it meets neither of the two surfaces. This is pbrt's SpawnRayTo (section
     /// 6.8.6 of the fourth edition) without its shadow epsilon: both ends are moved, as [`spawn_ray`](Self::spawn_ray)
-    /// does, and that at `t = 1` also by the rounding of the direction, to first order in the errors. `other` is in the
-    /// same space. Where both are at one place, the ray may have no direction, and then hits nothing.
-    pub fn spawn_ray_to(&self, other: &Self) -> Ray {
-        let p_error = other.p_error().as_dvec3();
-        let origin = self.p_before(other.point.p - self.point.p, self.p_error().as_dvec3());
-        let way = other.point.p - origin.as_dvec3();
+    /// does, and that at `t = 1` also by the rounding of the direction, to first order in the errors.
+    ///
+    /// `other` is in the same space: a place on a light, of [`TriangleMesh::surface_at`](geometry::TriangleMesh::surface_at)
+    /// for instance, or the [`point`](Self::point) of another interaction. Where both are at one place, the ray may have
+    /// no direction, and then hits nothing.
+    pub fn spawn_ray_to(&self, other: &SurfacePoint) -> Ray {
+        let p_error = rounded_error(other).as_dvec3();
+        let origin = p_before(&self.point, other.p - self.point.p, self.p_error().as_dvec3());
+        let way = other.p - origin.as_dvec3();
         // Half an ulp of each component of the direction, which the offset at its end makes longer, and as much again.
         let rounding = (way.abs() + p_error.element_sum()) * f64::from(f32::EPSILON);
-        let target = other.p_before(-way, p_error + rounding);
+        let target = p_before(other, -way, p_error + rounding);
         Ray::new(origin, (target.as_dvec3() - origin.as_dvec3()).as_vec3()).at_time(self.time)
-    }
-
-    /// The position, moved along the normal to the side of `direction`, until the box of `p_error` lies behind.
-    fn p_before(&self, direction: DVec3, p_error: DVec3) -> Vec3 {
-        let (p, n) = (self.p(), self.point.n);
-        let away = if n.dot(direction) < 0.0 { -n } else { n };
-        let offset = away * n.abs().dot(p_error);
-        let moved = p.as_dvec3() + offset;
-        Vec3::from_array([0, 1, 2].map(|i| {
-            if offset[i] > 0.0 {
-                round_up(moved[i])
-            } else if offset[i] < 0.0 {
-                round_down(moved[i])
-            } else {
-                p[i]
-            }
-        }))
     }
 
     /// The normal on the side from which the ray came; [`n`](Self::n) where the ray runs along the surface.
@@ -99,6 +85,29 @@ impl SurfaceInteraction {
     pub fn is_from_inside(&self, ray: &TraversalRay) -> bool {
         self.point.n.dot(ray.direction64()) > 0.0
     }
+}
+
+/// The error of a point's position where it is rounded to f32.
+fn rounded_error(point: &SurfacePoint) -> Vec3 {
+    let rounding = (point.p.as_vec3().as_dvec3() - point.p).abs();
+    Vec3::from_array((point.p_error + rounding).to_array().map(round_up))
+}
+
+/// The position, rounded and moved along the normal to the side of `direction`, until the box of `p_error` lies behind.
+fn p_before(point: &SurfacePoint, direction: DVec3, p_error: DVec3) -> Vec3 {
+    let (p, n) = (point.p.as_vec3(), point.n);
+    let away = if n.dot(direction) < 0.0 { -n } else { n };
+    let offset = away * n.abs().dot(p_error);
+    let moved = p.as_dvec3() + offset;
+    Vec3::from_array([0, 1, 2].map(|i| {
+        if offset[i] > 0.0 {
+            round_up(moved[i])
+        } else if offset[i] < 0.0 {
+            round_down(moved[i])
+        } else {
+            p[i]
+        }
+    }))
 }
 
 /// The unit vector against `ray`.
@@ -168,7 +177,7 @@ mod tests {
                 geometry::triangle_surface_point(&ray, &[a, b, c], &[Vec2::ZERO; 3])
             });
             let [from, to] = on.map(|point| SurfaceInteraction { point, ..at(point.p, point.p_error, point.n) });
-            let Some(ray) = TraversalRay::new(&from.spawn_ray_to(&to)) else { continue };
+            let Some(ray) = TraversalRay::new(&from.spawn_ray_to(&to.point)) else { continue };
             for triangle in &triangles {
                 let met = intersect_triangle_exact(&ray, triangle, Interval::up_to(1.0));
                 assert_eq!(met, None, "{i} {ray:?} {triangle:?}");

@@ -25,6 +25,6 @@ pub use camera::{Camera, CameraError, CameraSettings, CameraView};
 pub use compile::{CompiledScene, MeshTree, ObjectAggregate, PrimitiveName, ScenePrimitive};
 pub use load::{LoadError, Place, load};
 pub use procedural::{BuiltIn, BuiltInError, MAX_TRIANGLES, meshes};
-pub use rays::{RayFileError, RaySegment, RaySets, read_rays, write_rays};
+pub use rays::{RayFileError, RaySets, SceneRay, read_rays, write_rays};
 pub use scene::{Geometry, Instance, Names, Object, ObjectId, Scene, SceneBuilder, SceneError, SceneShape};
 pub use spelling::did_you_mean;

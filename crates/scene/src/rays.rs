@@ -2,6 +2,7 @@
 
 mod file;
 
+use bvh_flat::RaySegment;
 use geometry::glam::DVec3;
 use geometry::{Bounds3, Interval, Ray, TraversalRay};
 use primitive::{Primitive, SurfaceInteraction};
@@ -12,13 +13,21 @@ use crate::Camera;
 use crate::camera::CameraError;
 use crate::procedural::Random;
 
-/// A ray with the part of it that a query looks at.
+/// A ray into a scene, which may move, with the part of it that a query looks at.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RaySegment {
+pub struct SceneRay {
     /// The ray.
     pub ray: Ray,
     /// The part of it.
     pub interval: Interval,
+}
+
+/// Without its time, as batches of a mesh take it.
+impl From<&SceneRay> for RaySegment {
+    fn from(SceneRay { ray, interval }: &SceneRay) -> Self {
+        let [t_min, t_max] = [interval.t_min(), interval.t_max()];
+        Self { origin: ray.origin.to_array(), t_min, direction: ray.direction.to_array(), t_max }
+    }
 }
 
 /// Four sets of rays into one scene, as a renderer would send them; from the coherent to those without any order.
@@ -28,15 +37,15 @@ pub struct RaySegment {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RaySets {
     /// Through a random point of each pixel of a square image, pixel by pixel in tiles of 16 × 16.
-    pub primary: Vec<RaySegment>,
+    pub primary: Vec<SceneRay>,
     /// From the primary rays' hits to one of 8 random points in the scene's box: the first, from a random one on, that
     /// lies before the surface as the viewer sees it; none where none does. The direction reaches the point at t = 1,
     /// and the interval is 0 < t < 1: a point light has no surface of its own that must be kept out of it.
-    pub shadow: Vec<RaySegment>,
+    pub shadow: Vec<SceneRay>,
     /// From the primary rays' hits into the half-space before the surface, by the cosine to the normal.
-    pub diffuse: Vec<RaySegment>,
+    pub diffuse: Vec<SceneRay>,
     /// Along chords of the scene's box, through a uniform point of it in a uniform direction; from outside of the box.
-    pub random: Vec<RaySegment>,
+    pub random: Vec<SceneRay>,
 }
 
 impl RaySets {
@@ -69,9 +78,9 @@ impl RaySets {
         let pixel = |(x, y): (u32, u32)| {
             let [dx, dy, time] = [(); 3].map(|()| random.unit());
             let ray = view.ray(f64::from(x) + dx, f64::from(y) + dy, time);
-            RaySegment { ray, interval: Interval::FULL }
+            SceneRay { ray, interval: Interval::FULL }
         };
-        let primary: Vec<RaySegment> = tiled_pixels(side).map(pixel).collect();
+        let primary: Vec<SceneRay> = tiled_pixels(side).map(pixel).collect();
 
         let (mut shadow_random, mut diffuse_random) = (stream(1), stream(2));
         let lights = [(); Self::LIGHTS as usize].map(|()| point_in(bounds, &mut shadow_random));
@@ -96,14 +105,14 @@ impl RaySets {
             let origin = (p - diagonal * direction).as_vec3();
             // The view knows what moment a part of the shutter's time is.
             let time = view.ray(0.0, 0.0, random.unit()).time;
-            RaySegment { ray: Ray { origin, direction: direction.as_vec3(), time }, interval: Interval::FULL }
+            SceneRay { ray: Ray { origin, direction: direction.as_vec3(), time }, interval: Interval::FULL }
         };
         let random = (0..chords).map(chord).collect();
         Ok(Self { primary, shadow, diffuse, random })
     }
 
     /// The sets with their names.
-    pub fn named(&self) -> [(&'static str, &[RaySegment]); 4] {
+    pub fn named(&self) -> [(&'static str, &[SceneRay]); 4] {
         [("primary", &self.primary), ("shadow", &self.shadow), ("diffuse", &self.diffuse), ("random", &self.random)]
     }
 }
@@ -124,19 +133,19 @@ fn point_in(bounds: &Bounds3, random: &mut Random) -> DVec3 {
 }
 
 /// `None` where the light lies behind the surface.
-fn shadow_ray(surface: &SurfaceInteraction, light: DVec3) -> Option<RaySegment> {
+fn shadow_ray(surface: &SurfaceInteraction, light: DVec3) -> Option<SceneRay> {
     let w = (light - surface.point.p).as_vec3();
     if w.dot(surface.facing_normal()) <= 0.0 {
         return None;
     }
     let spawned = surface.spawn_ray(w);
     let direction = (light - spawned.origin.as_dvec3()).as_vec3();
-    Some(RaySegment { ray: Ray { direction, ..spawned }, interval: Interval::up_to(1.0) })
+    Some(SceneRay { ray: Ray { direction, ..spawned }, interval: Interval::up_to(1.0) })
 }
 
 /// Malley's method: uniform on the disc, then up to the hemisphere (pbrt 4, A.5.3). `None` for a surface without a
 /// normal, which no ray hits.
-fn diffuse_ray(surface: &SurfaceInteraction, random: &mut Random) -> Option<RaySegment> {
+fn diffuse_ray(surface: &SurfaceInteraction, random: &mut Random) -> Option<SceneRay> {
     let up = surface.facing_normal().as_dvec3().try_normalize()?;
     let (x_axis, y_axis) = up.any_orthonormal_pair();
     let (x, y) = loop {
@@ -146,7 +155,7 @@ fn diffuse_ray(surface: &SurfaceInteraction, random: &mut Random) -> Option<RayS
         }
     };
     let w = (x * x_axis + y * y_axis + (1.0 - x * x - y * y).sqrt() * up).as_vec3();
-    Some(RaySegment { ray: surface.spawn_ray(w), interval: Interval::FULL })
+    Some(SceneRay { ray: surface.spawn_ray(w), interval: Interval::FULL })
 }
 
 #[cfg(test)]

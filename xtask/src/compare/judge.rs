@@ -6,7 +6,7 @@ use anyhow::{Context, Result, ensure};
 use bvh_flat::geometry::TriangleMesh;
 use oracle::{Agreement, Closest, MeshOracle, Oracle, Tally, Verdict};
 use rayon::prelude::*;
-use scene::RaySegment;
+use scene::SceneRay;
 
 /// The exact answers to a set of rays.
 pub struct Truth {
@@ -42,9 +42,9 @@ impl PeerErrors {
 }
 
 impl Truth {
-    pub fn new(mesh: &TriangleMesh, name: &str, rays: &[RaySegment]) -> Self {
+    pub fn new(mesh: &TriangleMesh, name: &str, rays: &[SceneRay]) -> Self {
         let oracle = MeshOracle::new(mesh);
-        let exact = |r: &RaySegment| oracle.closest(&r.ray, r.interval, &mut Tally::default());
+        let exact = |r: &SceneRay| oracle.closest(&r.ray, r.interval, &mut Tally::default());
         Self { name: name.to_owned(), exact: rays.par_iter().map(exact).collect() }
     }
 
@@ -94,7 +94,7 @@ mod tests {
         let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
         let mesh = TriangleMesh::new(corners, vec![[0, 1, 2], [1, 3, 2]]).expect("in range");
         let rays = [[0.25, 0.25, 2.0], [0.75, 0.75, 2.0], [3.0, 3.0, 2.0]]
-            .map(|origin| RaySegment { ray: Ray::new(origin, [0.0, 0.0, -1.0]), interval: Interval::FULL });
+            .map(|origin| SceneRay { ray: Ray::new(origin, [0.0, 0.0, -1.0]), interval: Interval::FULL });
         let truth = Truth::new(&mesh, "some", &rays);
         let directory = tempfile::tempdir().expect("a directory");
         let judge = |answers: [(f32, u32); 3], any: [u8; 3]| {

@@ -18,7 +18,7 @@ use bvh_flat::primitive::{GeometricPrimitive, MaterialId, MediumInterface, Surfa
 use bvh_flat::{BuildConfig, WideMesh};
 use clap::Args;
 use hard_cases::{Aim, Random, aimed_rays};
-use scene::{Camera, RaySegment, RaySets, write_rays};
+use scene::{Camera, RaySets, SceneRay, write_rays};
 use serde::{Deserialize, Serialize};
 
 use self::judge::{PeerErrors, Truth};
@@ -111,25 +111,25 @@ fn ray_sets(
     mesh: &Arc<TriangleMesh>,
     camera: Option<Camera>,
     size: usize,
-) -> Result<Vec<(&'static str, Vec<RaySegment>)>> {
+) -> Result<Vec<(&'static str, Vec<SceneRay>)>> {
     let tree = WideMesh::build(Arc::clone(mesh), &BuildConfig::balanced())?;
     let surface = Surface::of_material(MaterialId::from_index(0).context("an index below the last")?);
     let world = GeometricPrimitive::new(tree, surface, MediumInterface::VACUUM);
     let bounds = bvh_flat::primitive::Primitive::world_bound(&world);
     let camera = camera.unwrap_or_else(|| Camera::looking_at_bounds(&bounds));
     let sets = RaySets::generate(&world, &bounds, &camera, size, SEED)?;
-    let mut all: Vec<(&'static str, Vec<RaySegment>)> =
+    let mut all: Vec<(&'static str, Vec<SceneRay>)> =
         sets.named().map(|(name, rays)| (name, rays.to_vec())).into_iter().collect();
     let mut random = Random::new(SEED, 1);
     let aimed = [Aim::Vertex, Aim::Edge].map(|aim| {
         let rays = aimed_rays(mesh, aim, size / 2, &mut random, |random| random.point_in(&bounds));
-        rays.map(|ray| RaySegment { ray, interval: Interval::FULL }).collect::<Vec<_>>()
+        rays.map(|ray| SceneRay { ray, interval: Interval::FULL }).collect::<Vec<_>>()
     });
     all.push(("aimed", aimed.concat()));
     Ok(all)
 }
 
-fn write_input(directory: &Path, mesh: &TriangleMesh, sets: &[(&str, Vec<RaySegment>)]) -> Result<()> {
+fn write_input(directory: &Path, mesh: &TriangleMesh, sets: &[(&str, Vec<SceneRay>)]) -> Result<()> {
     let floats = mesh.positions().iter().flat_map(|p| p.to_array());
     let bytes: Vec<u8> = floats.flat_map(f32::to_le_bytes).collect();
     std::fs::write(directory.join("triangles.f32"), bytes)?;
@@ -167,7 +167,7 @@ fn set_of<'a>(line: &'a PeerLine, name: &str) -> Result<&'a SetLine> {
 fn print(
     scene: &str,
     triangles: usize,
-    sets: &[(&str, Vec<RaySegment>)],
+    sets: &[(&str, Vec<SceneRay>)],
     lines: &[PeerLine],
     judged: &[Vec<PeerErrors>],
 ) {
@@ -206,7 +206,7 @@ fn print(
 fn write_lines(
     arguments: &Arguments,
     triangles: usize,
-    sets: &[(&str, Vec<RaySegment>)],
+    sets: &[(&str, Vec<SceneRay>)],
     lines: &[PeerLine],
     judged: &[Vec<PeerErrors>],
 ) -> Result<()> {

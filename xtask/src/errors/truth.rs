@@ -6,7 +6,7 @@ use bvh_flat::primitive::Placement;
 use hard_cases::{Aim, Random, aimed_rays};
 use oracle::{Closest, ExactHit, ExactTransform, MeshOracle, Oracle, OracleList, PointLocation, SphereOracle, Tally};
 use rayon::prelude::*;
-use scene::{CompiledScene, ObjectId, RaySegment, Scene, SceneShape};
+use scene::{CompiledScene, ObjectId, Scene, SceneRay, SceneShape};
 
 use crate::input::SEED;
 
@@ -24,7 +24,7 @@ pub struct JudgedSet {
 
 /// A ray with its exact answer.
 pub struct JudgedRay {
-    pub segment: RaySegment,
+    pub segment: SceneRay,
     pub exact: Option<Closest>,
 }
 
@@ -42,7 +42,7 @@ const LARGEST: u64 = 20_000_000;
 impl Truth {
     /// The exact answers to at most `count` rays of each set, all at the camera's opening time, at which every
     /// transform is a matrix and hence exact; and rays that test closed meshes for leaks. `None` for a scene too large.
-    pub fn new(compiled: &CompiledScene, sets: &[(&str, &[RaySegment])], count: usize) -> Option<Self> {
+    pub fn new(compiled: &CompiledScene, sets: &[(&str, &[SceneRay])], count: usize) -> Option<Self> {
         use bvh_flat::primitive::Primitive;
         let scene = compiled.scene();
         if compiled.world().primitive_count() > LARGEST {
@@ -50,15 +50,15 @@ impl Truth {
         }
         let time = scene.camera.map_or(0.0, |camera| camera.shutter[0]);
         let oracle = object_oracle(scene, ObjectId::WORLD, &ExactTransform::new(&DAffine3::IDENTITY)?, time)?;
-        let judged = |segment: &RaySegment| {
-            let segment = RaySegment { ray: segment.ray.at_time(time), ..*segment };
+        let judged = |segment: &SceneRay| {
+            let segment = SceneRay { ray: segment.ray.at_time(time), ..*segment };
             let exact = oracle.closest(&segment.ray, segment.interval, &mut Tally::default());
             JudgedRay { segment, exact }
         };
         let sets = sets.iter().map(|&(kind, rays)| {
             // Every n-th, so that a part of the set looks like all of it.
             let step = rays.len().div_ceil(count).max(1);
-            let chosen: Vec<&RaySegment> = rays.iter().step_by(step).collect();
+            let chosen: Vec<&SceneRay> = rays.iter().step_by(step).collect();
             JudgedSet { kind: kind.to_owned(), rays: chosen.into_par_iter().map(judged).collect() }
         });
         Some(Self { sets: sets.collect(), leak_tests: leak_tests(compiled, count) })

@@ -122,7 +122,7 @@ impl TreeName {
             text += &format!(", leaves of {leaf}");
         }
         if let Some(threads) = self.threads {
-            text += &format!(", {threads} threads");
+            text += &format!(", {threads} thread{}", if threads == 1 { "" } else { "s" });
         }
         text
     }

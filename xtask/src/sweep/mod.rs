@@ -228,7 +228,7 @@ fn publish(plan: &Plan, results: &BTreeMap<String, JobResult>, folder: &Folder) 
         tables::print(sweep);
     }
     if sweeps.len() > 1 {
-        tables::print_growth(&sweeps);
+        tables::print_scenes(&sweeps);
     }
     results::write(&folder.0.join("results.jsonl"), lines::json_lines(&sweeps).as_bytes())?;
     results::write(&folder.0.join("results.csv"), lines::csv(&sweeps).as_bytes())?;

@@ -16,7 +16,7 @@ use super::plan::{Job, Plan};
 use super::results::{Folder, JobResult, Timings};
 use super::subject::Trees;
 use super::workshop::Workshop;
-use crate::measure::{BuildClock, Stopwatch, timed};
+use crate::measure::{BuildClock, Stopwatch, timed, timed_on_processor};
 
 /// Whether somebody pressed Ctrl-C.
 static IS_INTERRUPTED: AtomicBool = AtomicBool::new(false);
@@ -182,7 +182,11 @@ impl Session<'_> {
                 },
                 BuildClock::until(is_interrupted),
             );
-            let (time, built) = timed(|| pool.install(|| Trees::build(&workshop.scene, tree, &clock)));
+            let (time, built) = pool.install(|| {
+                let build = || Trees::build(&workshop.scene, tree, &clock);
+                // Of one thread, what others do on the machine counts less.
+                if pool.current_num_threads() == 1 { timed_on_processor(build) } else { timed(build) }
+            });
             drop(built.map_err(build_error)?);
             let phases: BTreeMap<String, f64> =
                 clock.phases().into_iter().map(|(name, time)| (name, time.as_secs_f64())).collect();

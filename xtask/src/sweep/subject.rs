@@ -5,8 +5,8 @@ use std::sync::Arc;
 use anyhow::{Context, Result};
 use bvh_flat::geometry::{Hit, MollerTrumboreTriangles, Naive, Shape, TraversalRay, UnpaddedBoxes};
 use bvh_flat::primitive::Primitive;
-use bvh_flat::{BuildError, BuildObserver, MeshBvh, RaySegment as BatchRay, SimdWidth, WideLayout, WideMesh};
-use scene::{CompiledScene, MeshTree, RaySegment, Scene};
+use bvh_flat::{BuildError, BuildObserver, MeshBvh, RaySegment, SimdWidth, WideLayout, WideMesh};
+use scene::{CompiledScene, MeshTree, Scene, SceneRay};
 
 use super::configuration::{Calls, KernelName, Layout, Traversal, TreeName};
 
@@ -107,7 +107,7 @@ impl Subject {
     }
 
     /// The closest hits, as the calls are to be. Rays that make no sense are misses, as in a query by the user.
-    pub fn closest(&self, rays: &[RaySegment], many: &[BatchRay], hits: &mut Vec<Option<Hit>>) {
+    pub fn closest(&self, rays: &[SceneRay], many: &[RaySegment], hits: &mut Vec<Option<Hit>>) {
         hits.clear();
         match &self.batch {
             Some(mesh) => {
@@ -121,7 +121,7 @@ impl Subject {
     }
 
     /// Whether each ray hits anything, likewise.
-    pub fn any(&self, rays: &[RaySegment], many: &[BatchRay], hits: &mut Vec<bool>) {
+    pub fn any(&self, rays: &[SceneRay], many: &[RaySegment], hits: &mut Vec<bool>) {
         hits.clear();
         match &self.batch {
             Some(mesh) => {
@@ -134,15 +134,4 @@ impl Subject {
             ),
         }
     }
-}
-
-/// Rays as batches take them.
-pub fn batch_rays(rays: &[RaySegment]) -> Vec<BatchRay> {
-    let batch = |RaySegment { ray, interval }: &RaySegment| BatchRay {
-        origin: ray.origin.to_array(),
-        t_min: interval.t_min(),
-        direction: ray.direction.to_array(),
-        t_max: interval.t_max(),
-    };
-    rays.iter().map(batch).collect()
 }

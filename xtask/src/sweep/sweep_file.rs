@@ -133,6 +133,16 @@ mod tests {
         assert!(file.grid.len() >= 4 && file.scenes == ["builtin:stadium"]);
     }
 
+    /// Those whose tables the README has.
+    #[test]
+    fn the_files_in_docs_are_some() {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/sweeps");
+        let entries = std::fs::read_dir(folder).expect("the folder is there");
+        let files: Vec<SweepFile> =
+            entries.map(|entry| SweepFile::read(&entry.expect("is listed").path()).expect("it parses")).collect();
+        assert!(files.len() >= 2 && files.iter().all(|file| !file.grid.is_empty()));
+    }
+
     /// Every key is in the lists that misspellings are compared with.
     #[test]
     fn every_key_is_known() {

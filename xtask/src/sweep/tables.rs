@@ -34,7 +34,8 @@ fn print_builds(sweep: &Sweep) {
     let timed = if rounds == 1 { "1 timed round".to_owned() } else { format!("the median of {rounds} rounds") };
     let threads = builds.first().map_or(0, |row| row.timings.build_threads);
     println!(
-        "\nBuild, {threads} threads, {timed}; nodes, depth and cost are those of the binary trees that are built first"
+        "\nBuild, {threads} thread{}, {timed}; nodes, depth and cost are those of the binary trees that are built first",
+        if threads == 1 { "" } else { "s" }
     );
     let header = [
         "layout",
@@ -219,24 +220,40 @@ fn print_pictures(sweep: &Sweep) {
     }
 }
 
-/// How the cost of a build grows over several scenes.
-pub fn print_growth(sweeps: &[Sweep]) {
-    println!("Growth");
-    let mut growth = table(&["scene", "layout", "split method", "primitives", "build ms", "ns/prim", "bytes/prim"], 3);
+/// What each way to build costs and gives, with the scenes of several beside each other.
+pub fn print_scenes(sweeps: &[Sweep]) {
+    println!("Builds and their trees, scene by scene: compare times of one layout and number of threads");
+    let header = [
+        "layout",
+        "split method",
+        "scene",
+        "primitives",
+        "build ms",
+        "ns/prim",
+        "Mprim/s",
+        "expected cost",
+        "closest Mray/s",
+        "bytes/prim",
+    ];
+    let mut rows = table(&header, 3);
     let builds: Vec<Vec<&Row>> = sweeps.iter().map(Sweep::builds).collect();
     for i in 0..builds.iter().map(Vec::len).min().unwrap_or(0) {
         for (sweep, builds) in sweeps.iter().zip(&builds) {
             let (row, primitives) = (builds[i], sweep.primitives().max(1) as f64);
-            growth.add_row([
-                sweep.scene_name().to_owned(),
+            let (trees, time) = (&row.answers.trees, row.timings.build());
+            rows.add_row([
                 row.tree.layout.name().to_owned(),
                 row.tree.describe(),
+                sweep.scene_name().to_owned(),
                 count(sweep.primitives()),
-                format!("{:.1}", 1e3 * row.timings.build()),
-                format!("{:.0}", 1e9 * row.timings.build() / primitives),
-                format!("{:.1}", row.answers.trees.bytes as f64 / primitives),
+                format!("{:.1}", 1e3 * time),
+                format!("{:.0}", 1e9 * time / primitives),
+                format!("{:.2}", per_second(sweep.primitives(), time)),
+                trees.quality.as_ref().map_or("-".to_owned(), |quality| format!("{:.2}", quality.expected_cost)),
+                format!("{:.2}", row.closest_speed()),
+                format!("{:.1}", trees.bytes as f64 / primitives),
             ]);
         }
     }
-    println!("{growth}\n");
+    println!("{rows}\n");
 }

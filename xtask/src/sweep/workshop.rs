@@ -4,10 +4,10 @@ use std::sync::Arc;
 use std::sync::OnceLock;
 
 use anyhow::{Context, Result};
-use bvh_flat::RaySegment as BatchRay;
+use bvh_flat::RaySegment;
 use bvh_flat::bvh_build::TreeStatistics;
 use bvh_flat::primitive::Primitive;
-use scene::{CompiledScene, RaySegment, RaySets, Scene};
+use scene::{CompiledScene, RaySets, Scene, SceneRay};
 
 use super::configuration::{Layout, TreeName};
 use super::occlusion::Occlusion;
@@ -15,7 +15,7 @@ use super::plan::Plan;
 use super::quality::quality;
 use super::results::TreeFigures;
 use super::run::{build_error, is_interrupted};
-use super::subject::{Trees, batch_rays};
+use super::subject::Trees;
 use crate::errors::Truth;
 use crate::input::{self, SEED, SceneSource, SplitMethodName};
 use crate::measure::BuildClock;
@@ -44,8 +44,8 @@ pub struct BuiltTrees {
 /// A set of rays, for calls one by one and for many.
 pub struct RaySet {
     pub name: String,
-    pub rays: Vec<RaySegment>,
-    pub batch: Vec<BatchRay>,
+    pub rays: Vec<SceneRay>,
+    pub batch: Vec<RaySegment>,
 }
 
 impl<'a> Workshop<'a> {
@@ -90,7 +90,7 @@ impl<'a> Workshop<'a> {
         let (camera, bounds) = (input::camera(compiled), compiled.world().world_bound());
         let count = if self.plan.ray_sets.is_empty() { 0 } else { self.plan.rays as usize };
         let generated = RaySets::generate(compiled.world(), &bounds, &camera, count, SEED)?;
-        let mut sets: Vec<(String, Vec<RaySegment>)> = Vec::new();
+        let mut sets: Vec<(String, Vec<SceneRay>)> = Vec::new();
         for name in &self.plan.ray_sets {
             let (_, rays) =
                 generated.named().into_iter().find(|(known, _)| *known == name.name()).context("no such set")?;
@@ -99,7 +99,12 @@ impl<'a> Workshop<'a> {
         for file in &self.plan.ray_files {
             sets.push((file.name(), read_rays(&file.path)?));
         }
-        Ok(sets.into_iter().map(|(name, rays)| RaySet { name, batch: batch_rays(&rays), rays }).collect())
+        let set = |(name, rays): (String, Vec<SceneRay>)| RaySet {
+            name,
+            batch: rays.iter().map(RaySegment::from).collect(),
+            rays,
+        };
+        Ok(sets.into_iter().map(set).collect())
     }
 
     /// The trees that rays and exact answers are made with: the library's default, whatever is measured.
@@ -125,8 +130,7 @@ impl<'a> Workshop<'a> {
         let truth = || match self.plan.judged_rays {
             0 => None,
             count => {
-                let sets: Vec<(&str, &[RaySegment])> =
-                    self.sets.iter().map(|s| (s.name.as_str(), &s.rays[..])).collect();
+                let sets: Vec<(&str, &[SceneRay])> = self.sets.iter().map(|s| (s.name.as_str(), &s.rays[..])).collect();
                 self.pool.install(|| Truth::new(self.default_trees().ok()?, &sets, count as usize))
             }
         };

@@ -14,7 +14,20 @@ const U64: f64 = f64::EPSILON / 2.0;
 
 /// An invertible affine map from one space (object) to another (world), with its inverse.
 ///
-/// In f64 throughout, so that a chain of many adds next to nothing to the one rounding of the f32 data.
+/// In f64 throughout, so that a chain of many adds next to nothing to the one rounding of the f32 data. Vectors are arrays
+/// of f64, `DVec3` or `Vec3`; of an array of f32, `Vec3::from`.
+///
+/// ```
+/// use geometry::Transform;
+/// use geometry::glam::{DVec3, Vec3};
+///
+/// let position: [f32; 3] = [5.0, 0.0, 0.0];
+/// let there = Transform::translate(Vec3::from(position))?;
+/// // First turned, then moved.
+/// let turned = there.then_inside(&Transform::rotate(90.0, [0.0, 1.0, 0.0])?)?;
+/// assert!((turned.point(DVec3::Z) - DVec3::new(6.0, 0.0, 0.0)).length() < 1e-15);
+/// # Ok::<(), geometry::TransformError>(())
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transform {
     matrix: DAffine3,

@@ -20,11 +20,3 @@ pub(crate) const CASES: &[Case] = &[
     Case { id: "A10", title: "what stands still, said to move", run: scenes::standing },
     Case { id: "A11", title: "boxes of a part of the time", run: bounds::shutter },
 ];
-
-#[cfg(test)]
-mod tests {
-    #[test]
-    fn quick() {
-        crate::spheres::run_quickly(super::CASES);
-    }
-}

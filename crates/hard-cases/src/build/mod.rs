@@ -91,19 +91,3 @@ fn all_split_methods(run: &Run) -> Outcome {
     }
     tries.outcome()
 }
-
-#[cfg(test)]
-mod tests {
-    use crate::boxes::assert_passes;
-    use crate::{BINARY_OPEN, BinaryWatertight, Library, OPEN};
-
-    #[test]
-    fn the_library_passes_all_but_the_open_ones() {
-        assert_passes(&Library::default(), super::CASES, &OPEN);
-    }
-
-    #[test]
-    fn binary_trees_with_watertight_kernels_fail_what_is_known() {
-        assert_passes(&BinaryWatertight::default(), super::CASES, &BINARY_OPEN);
-    }
-}

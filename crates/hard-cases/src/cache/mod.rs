@@ -81,13 +81,3 @@ fn variant<T>(result: &Result<T, CacheError>) -> String {
         Err(error) => format!("{error:?}").split([' ', '(']).next().unwrap_or_default().to_owned(),
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use crate::{Library, OPEN, boxes::assert_passes};
-
-    #[test]
-    fn the_library_passes_all_but_the_open_ones() {
-        assert_passes(&Library::default(), super::CASES, &OPEN);
-    }
-}

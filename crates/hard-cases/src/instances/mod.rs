@@ -37,11 +37,3 @@ pub(crate) const CASES: &[Case] = &[
     Case { id: "I19", title: "objects far from their own origin", run: single::far_from_its_origin },
     Case { id: "I20", title: "triangles 2^22 to 2^36 times their size away", run: far::small_triangles },
 ];
-
-#[cfg(test)]
-mod tests {
-    #[test]
-    fn quick() {
-        crate::spheres::run_quickly(super::CASES);
-    }
-}

@@ -15,8 +15,6 @@ use oracle::{ExactHit, ExactReal, Oracle, PointAgreement, SphereOracle, Tally, p
 
 use crate::Case;
 pub(crate) use many::{Ball, ball};
-#[cfg(test)]
-pub(crate) use trials::run_quickly;
 pub(crate) use trials::{Trials, in_parallel};
 
 pub(crate) const CASES: &[Case] = &[
@@ -89,13 +87,4 @@ fn judge_point(trials: &mut Trials, sphere: &Sphere, ray: &Ray, traversal: &Trav
     // In f64, before the rounding to f32: thousandths of an ulp matter to nobody.
     trials.largest("p error, ulp", agreement.error);
     trials.largest("p bound, ulp", agreement.bound);
-}
-
-#[cfg(test)]
-mod tests {
-
-    #[test]
-    fn quick() {
-        super::run_quickly(super::CASES);
-    }
 }

@@ -88,22 +88,3 @@ pub(crate) fn in_parallel(
         .collect();
     chunks.into_iter().fold(Trials::default(), Trials::and).outcome()
 }
-
-/// Runs each case at its least effort on the library; all must pass.
-#[cfg(test)]
-pub(crate) fn run_quickly(cases: &[crate::Case]) {
-    use crate::{Effort, Library};
-
-    let mut failed = Vec::new();
-    for case in cases {
-        let start = std::time::Instant::now();
-        let library = Library::default();
-        let outcome = (case.run)(&Run { effort: Effort::Quick, seed: 1, subject: &library, progress: &|_| {} });
-        eprintln!("{} {:.2?}: {outcome:?}", case.id, start.elapsed());
-        if !outcome.passed() {
-            failed
-                .push(format!("{}: {} of {}: {:?}", case.id, outcome.failures, outcome.trials, outcome.first_failure));
-        }
-    }
-    assert!(failed.is_empty(), "{}", failed.join("\n"));
-}

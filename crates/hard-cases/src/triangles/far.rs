@@ -36,7 +36,7 @@ pub(crate) fn triangle_on_ray([origin, direction]: [DVec3; 2], at: DVec3, size: 
 /// Sixteen triangles around the origin, each with a ray at it from 2²⁰ to 2⁴⁴ sizes away. The way is a power of two, so
 /// that f32 holds an origin from which the ray passes through zero exactly: what is wrong is what the kernel rounds.
 /// (Without the product of two errors in the wide tree's filter of triangles 646 of the quick trials fail;
-/// `tests/mutations.rs` has that bound in a filter of its own.)
+/// `tests/suite/mutations` has that bound in a filter of its own.)
 fn t25(run: &Run) -> Outcome {
     let view = |random: &mut Random, findings: &mut Findings| -> Fallible<()> {
         let far = 2.0_f32.powi(random.below(55) as i32 - 20);

@@ -10,7 +10,7 @@ use crate::{Outcome, Random, Run, Tries};
 
 /// Something measured often, of which a case reports a quantile and the largest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum Quantity {
+pub enum Quantity {
     /// The error of t, in units of the spacing of f32 at the exact t, where the ray is not grazing (kappa <= 10).
     TError,
     /// The same over kappa = |d| |n| / |d·n|, where the ray is grazing.
@@ -43,17 +43,20 @@ impl Quantity {
 
 /// A distribution of numbers that are not negative, in bins of 1 % width.
 #[derive(Clone, Debug, Default)]
-struct Distribution {
+pub struct Distribution {
     bins: BTreeMap<u64, u64>,
-    count: u64,
-    max: f64,
+    /// How many there are.
+    pub count: u64,
+    /// The largest.
+    pub max: f64,
 }
 
 impl Distribution {
     /// The significand's bits that tell bins apart: 7.
     const SHIFT: u32 = 45;
 
-    fn add(&mut self, value: f64) {
+    /// Takes a number; one that is not is taken for infinite.
+    pub fn add(&mut self, value: f64) {
         // A NaN is worse than everything.
         let value = if value.is_nan() { f64::INFINITY } else { value };
         *self.bins.entry(value.to_bits() >> Self::SHIFT).or_default() += 1;
@@ -61,7 +64,8 @@ impl Distribution {
         self.max = self.max.max(value);
     }
 
-    fn and(mut self, other: &Self) -> Self {
+    /// Both.
+    pub fn and(mut self, other: &Self) -> Self {
         for (&bin, &count) in &other.bins {
             *self.bins.entry(bin).or_default() += count;
         }
@@ -69,7 +73,7 @@ impl Distribution {
     }
 
     /// The upper end of the bin with the quantile, or the largest value where that is less.
-    fn quantile(&self, q: f64) -> f64 {
+    pub fn quantile(&self, q: f64) -> f64 {
         let mut left = (q * self.count as f64).ceil() as u64;
         for (&bin, &count) in &self.bins {
             if count >= left {
@@ -83,7 +87,7 @@ impl Distribution {
 
 /// What a case, or a part of it, has found.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Findings {
+pub struct Findings {
     tries: Tries,
     counts: BTreeMap<&'static str, u64>,
     distributions: BTreeMap<Quantity, Distribution>,
@@ -106,12 +110,12 @@ impl Findings {
     }
 
     /// Takes a measurement.
-    pub(crate) fn measure(&mut self, quantity: Quantity, value: f64) {
+    pub fn measure(&mut self, quantity: Quantity, value: f64) {
         self.distributions.entry(quantity).or_default().add(value);
     }
 
     /// A trial: the quantile of what was measured is at most `most`. Nothing measured is a failure.
-    pub(crate) fn require(&mut self, quantity: Quantity, quantile: f64, most: f64) {
+    pub fn require(&mut self, quantity: Quantity, quantile: f64, most: f64) {
         let found = self.distributions.get(&quantity).map(|d| d.quantile(quantile));
         self.tries.check(found.is_some_and(|x| x <= most), || {
             format!("{quantity:?}: {found:?} at the quantile {quantile}, allowed is {most}")
@@ -119,7 +123,7 @@ impl Findings {
     }
 
     /// A trial: something was counted at least `least` times. A case that never meets what it is about proves nothing.
-    pub(crate) fn require_count(&mut self, name: &'static str, least: u64) {
+    pub fn require_count(&mut self, name: &'static str, least: u64) {
         let found = self.counted(name);
         self.tries.check(found >= least, || format!("only {found} of {name}, {least} are needed"));
     }
@@ -136,7 +140,8 @@ impl Findings {
         Self { tries: self.tries.and(other.tries), ..self }
     }
 
-    fn outcome(self) -> Outcome {
+    /// What comes of them all.
+    pub fn outcome(self) -> Outcome {
         let mut tries = self.tries;
         for (name, n) in self.counts {
             tries.figure(name, n as f64);
@@ -188,34 +193,4 @@ pub(crate) fn in_chunks(
             findings
         })
         .reduce(Findings::default, Findings::and)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn quantiles_are_those_of_a_sorted_list() {
-        let mut parts = [Distribution::default(), Distribution::default()];
-        for i in 0..10_000 {
-            parts[i % 2].add(i as f64);
-        }
-        let [a, b] = parts;
-        let all = a.and(&b);
-        for (q, exact) in [(0.0, 0.0), (0.5, 5_000.0), (0.99, 9_900.0), (1.0, 9_999.0)] {
-            let found = all.quantile(q);
-            assert!((exact..=exact * 1.01 + 1e-300).contains(&found), "{q}: {found}");
-        }
-        assert_eq!((all.count, all.max), (10_000, 9_999.0));
-    }
-
-    #[test]
-    fn a_nan_is_the_worst() {
-        let mut findings = Findings::default();
-        findings.measure(Quantity::TError, f64::NAN);
-        findings.require(Quantity::TError, 1.0, 1e300);
-        findings.require(Quantity::PointError, 1.0, 1e300);
-        findings.require_count("nothing", 1);
-        assert_eq!(findings.outcome().failures, 3);
-    }
 }

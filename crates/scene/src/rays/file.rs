@@ -7,7 +7,7 @@ use geometry::glam::Vec3;
 use geometry::{Interval, Ray};
 use thiserror::Error;
 
-use super::RaySegment;
+use super::SceneRay;
 
 /// The bytes of a record.
 const RECORD: usize = 32;
@@ -45,7 +45,7 @@ pub enum RayFileError {
 ///
 /// # Errors
 /// [`RayFileError`].
-pub fn read_rays(path: &Path) -> Result<Vec<RaySegment>, RayFileError> {
+pub fn read_rays(path: &Path) -> Result<Vec<SceneRay>, RayFileError> {
     let bytes = fs::read(path).map_err(|source| io_error(path, "read", source))?;
     let (records, rest) = bytes.as_chunks::<RECORD>();
     if !rest.is_empty() {
@@ -56,7 +56,7 @@ pub fn read_rays(path: &Path) -> Result<Vec<RaySegment>, RayFileError> {
         let (words, _) = record.as_chunks::<4>();
         let [ox, oy, oz, t_min, dx, dy, dz, t_max] = std::array::from_fn(|i| f32::from_le_bytes(words[i]));
         let ray = Ray { origin: Vec3::new(ox, oy, oz), direction: Vec3::new(dx, dy, dz), time: 0.0 };
-        RaySegment { ray, interval: Interval::new(t_min, t_max) }
+        SceneRay { ray, interval: Interval::new(t_min, t_max) }
     });
     Ok(rays.collect())
 }
@@ -65,9 +65,9 @@ pub fn read_rays(path: &Path) -> Result<Vec<RaySegment>, RayFileError> {
 ///
 /// # Errors
 /// [`RayFileError::Io`].
-pub fn write_rays(path: &Path, rays: &[RaySegment]) -> Result<(), RayFileError> {
+pub fn write_rays(path: &Path, rays: &[SceneRay]) -> Result<(), RayFileError> {
     let mut bytes = Vec::with_capacity(rays.len() * RECORD);
-    for RaySegment { ray, interval } in rays {
+    for SceneRay { ray, interval } in rays {
         let (o, d) = (ray.origin, ray.direction);
         let words = [o.x, o.y, o.z, interval.t_min(), d.x, d.y, d.z, interval.t_max()];
         bytes.extend(words.into_iter().flat_map(f32::to_le_bytes));
@@ -83,9 +83,9 @@ fn io_error(path: &Path, what: &'static str, source: io::Error) -> RayFileError 
 mod tests {
     use super::*;
 
-    fn segment(words: [f32; 8]) -> RaySegment {
+    fn segment(words: [f32; 8]) -> SceneRay {
         let [ox, oy, oz, t_min, dx, dy, dz, t_max] = words;
-        RaySegment { ray: Ray::new([ox, oy, oz], [dx, dy, dz]), interval: Interval::new(t_min, t_max) }
+        SceneRay { ray: Ray::new([ox, oy, oz], [dx, dy, dz]), interval: Interval::new(t_min, t_max) }
     }
 
     #[test]
@@ -102,8 +102,8 @@ mod tests {
         let bytes: Vec<u8> = words.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
         assert_eq!(fs::read(&path).expect("just written"), bytes);
         let read = read_rays(&path).expect("just written");
-        let bits = |rays: &[RaySegment]| {
-            let of = |r: &RaySegment| [r.ray.origin, r.ray.direction].map(|v| v.to_array().map(f32::to_bits));
+        let bits = |rays: &[SceneRay]| {
+            let of = |r: &SceneRay| [r.ray.origin, r.ray.direction].map(|v| v.to_array().map(f32::to_bits));
             rays.iter().map(|r| (of(r), r.interval)).collect::<Vec<_>>()
         };
         assert_eq!(bits(&read), bits(&rays));

@@ -9,7 +9,7 @@ fn placed(mesh: geometry::TriangleMesh, at: Transform) -> impl Primitive {
     TransformedPrimitive::new(GeometricPrimitive::new(mesh, surface, MediumInterface::VACUUM), at)
 }
 
-fn hits(primitive: &dyn Primitive, segment: &RaySegment) -> bool {
+fn hits(primitive: &dyn Primitive, segment: &SceneRay) -> bool {
     let ray = TraversalRay::new(&segment.ray).expect("generated rays are valid");
     primitive.intersect_p(&ray, segment.interval)
 }
@@ -93,7 +93,7 @@ fn shadow_rays_end_at_one_of_eight_points() {
     let camera = Camera::looking_at_bounds(&ball.world_bound());
     let sets = RaySets::generate(&ball, &bounds, &camera, 10_000, 5).expect("the camera is valid");
     let mut lights: Vec<Vec3> = Vec::new();
-    for RaySegment { ray, interval } in &sets.shadow {
+    for SceneRay { ray, interval } in &sets.shadow {
         assert_eq!(*interval, Interval::up_to(1.0));
         let end = ray.at(1.0);
         assert!(bounds.contains_point(end));
