@@ -14,7 +14,7 @@ impl Row<'_> {
         match self.traversal {
             Traversal::Wide { simd_width, .. } => {
                 add("simd-width", simd_width.name());
-                add("calls", self.traversal.calls());
+                add("calls", self.traversal.calls().name());
             }
             Traversal::Binary { kernels } => add("kernels", kernels.name()),
         }

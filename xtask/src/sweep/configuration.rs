@@ -64,7 +64,7 @@ impl WidthName {
     }
 }
 
-/// Whether rays are asked one by one or many at once.
+/// How rays are asked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Calls {
@@ -72,6 +72,19 @@ pub enum Calls {
     Single,
     /// One call for all of a set: only where the scene is a single mesh
     Batch,
+    /// A call for each ray, on all threads
+    Parallel,
+}
+
+impl Calls {
+    /// Its name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Single => "single",
+            Self::Batch => "batch",
+            Self::Parallel => "parallel",
+        }
+    }
 }
 
 /// Box test and triangle test of binary trees.
@@ -110,7 +123,7 @@ pub struct TreeName {
     pub layout: Layout,
     /// Of binary trees, where it is not the split method's own.
     pub max_primitives_in_leaf: Option<u32>,
-    /// That build; all that there are where none is said.
+    /// That build, and trace where calls are parallel; all that there are where none is said.
     pub threads: Option<u32>,
 }
 
@@ -160,11 +173,11 @@ impl Traversal {
         }
     }
 
-    /// Whether rays are asked one by one, "single", or many at once, "batch".
-    pub fn calls(self) -> &'static str {
+    /// How rays are asked: those of binary trees one by one.
+    pub fn calls(self) -> Calls {
         match self {
-            Self::Wide { calls: Calls::Batch, .. } => "batch",
-            _ => "single",
+            Self::Wide { calls, .. } => calls,
+            Self::Binary { .. } => Calls::Single,
         }
     }
 

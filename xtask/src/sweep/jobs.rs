@@ -9,13 +9,13 @@ use bvh_flat::primitive::{HitKind, Primitive};
 use bvh_flat::{WideLayout, WideMesh};
 use rayon::prelude::*;
 
-use super::configuration::{Promise, Traversal, TreeName};
+use super::configuration::{Calls, Promise, Traversal, TreeName};
 use super::leak_maps::leak_maps;
 use super::occlusion::{self, Occlusion};
 use super::plan::Task;
 use super::results::{Answers, CacheAnswers, PictureAnswers, SetAnswers, TraceAnswers};
 use super::subject::{Subject, Trees};
-use super::workshop::{RaySet, Workshop};
+use super::workshop::{RaySet, Workshop, own_pool};
 use crate::errors::{self, ErrorSummary, Errors};
 use crate::measure::{timed, timed_on_processor};
 
@@ -75,12 +75,20 @@ impl<'a> Worker<'a> {
     /// The time of each step, in seconds; nothing of a job that has none.
     pub fn round(&self, workshop: &Workshop) -> Result<Vec<f64>> {
         Ok(match self {
-            Self::Trace { subject, .. } => {
+            Self::Trace { tree, traversal, subject } => {
+                let own = own_pool(tree.threads)?;
+                let pool = own.as_ref().unwrap_or(workshop.pool);
+                let is_parallel = traversal.calls() == Calls::Parallel;
+                let time = |query: &mut (dyn FnMut() + Send)| {
+                    let (time, ()) =
+                        if is_parallel { pool.install(|| timed(query)) } else { timed_on_processor(query) };
+                    time.as_secs_f64()
+                };
                 let (mut hits, mut any) = (Vec::new(), Vec::new());
                 let mut times = Vec::new();
                 for RaySet { rays, batch, .. } in &workshop.sets {
-                    times.push(timed_on_processor(|| subject.closest(rays, batch, &mut hits)).0.as_secs_f64());
-                    times.push(timed_on_processor(|| subject.any(rays, batch, &mut any)).0.as_secs_f64());
+                    times.push(time(&mut || subject.closest(rays, batch, &mut hits)));
+                    times.push(time(&mut || subject.any(rays, batch, &mut any)));
                 }
                 times
             }
@@ -157,7 +165,7 @@ fn count(subject: &Subject, set: &RaySet, is_exact: bool) -> SetAnswers {
             let mut answers = SetAnswers { rays: rays.len() as u64, ..no_answers(&set.name) };
             let mut hasher = DefaultHasher::new();
             let (mut many, mut any_many) = (Vec::new(), Vec::new());
-            if subject.batch.is_some() {
+            if subject.has_calls_of_its_own() {
                 subject.closest(rays, batch, &mut many);
                 subject.any(rays, batch, &mut any_many);
             }

@@ -148,7 +148,7 @@ fn line<'a>(sweep: &'a Sweep, row: &'a Row, i: usize, set: &'a SetAnswers) -> Li
         instanced_primitives: row.answers.instanced_primitives,
         layout: row.tree.layout.name(),
         simd_width: row.traversal.width(),
-        calls: row.traversal.calls(),
+        calls: row.traversal.calls().name(),
         split_method: row.tree.split_method.name(),
         max_primitives_in_leaf: row.tree.max_primitives_in_leaf,
         nodes: trees.nodes,

@@ -194,7 +194,7 @@ fn add_grid(tasks: &mut Vec<Task>, grid: &Grid, is_one_mesh: bool) -> Result<()>
     let layouts = or(&grid.layout, Layout::Wide);
     let kernels = or(&grid.kernels, KernelName::Watertight);
     let mut calls = or(&grid.calls, Calls::Single);
-    calls.retain(|calls| *calls == Calls::Single || is_one_mesh);
+    calls.retain(|calls| *calls != Calls::Batch || is_one_mesh);
     let mut widths: Vec<WidthName> = Vec::new();
     for choice in or(&grid.simd_width, WidthChoice::Widest) {
         widths.extend(choice.widths().map_err(usage_error)?);

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use anyhow::{Result, bail};
 
-use super::configuration::{KernelName, Promise, Traversal, TreeName};
+use super::configuration::{Calls, KernelName, Promise, Traversal, TreeName};
 use super::host::Host;
 use super::plan::{Job, Plan, Task};
 use super::results::{Answers, CacheAnswers, JobResult, LeakMaps, PictureAnswers, Timings, TraceAnswers};
@@ -174,8 +174,11 @@ impl Row<'_> {
 
     /// Layout, width and calls, in words.
     pub fn way(&self) -> String {
-        let batch = if self.traversal.calls() == "batch" { " batch" } else { "" };
-        format!("{} {}{batch}", self.tree.layout.name(), self.traversal.width())
+        let [layout, width] = [self.tree.layout.name(), self.traversal.width()];
+        match self.traversal.calls() {
+            Calls::Single => format!("{layout} {width}"),
+            calls => format!("{layout} {width} {}", calls.name()),
+        }
     }
 
     /// Millions of closest-hit queries a second, over all sets of rays.

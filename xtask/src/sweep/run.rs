@@ -15,7 +15,7 @@ use super::jobs::Worker;
 use super::plan::{Job, Plan};
 use super::results::{Folder, JobResult, Timings};
 use super::subject::Trees;
-use super::workshop::Workshop;
+use super::workshop::{Workshop, own_pool};
 use crate::measure::{BuildClock, Stopwatch, timed, timed_on_processor};
 
 /// Whether somebody pressed Ctrl-C.
@@ -171,17 +171,9 @@ impl Session<'_> {
             if asked.is_empty() || (is_large && round > 0) {
                 continue;
             }
-            let own;
-            let (pool, clock) = (
-                match tree.threads {
-                    None => self.pool,
-                    Some(threads) => {
-                        own = rayon::ThreadPoolBuilder::new().num_threads(threads as usize).build()?;
-                        &own
-                    }
-                },
-                BuildClock::until(is_interrupted),
-            );
+            let own = own_pool(tree.threads)?;
+            let pool = own.as_ref().unwrap_or(self.pool);
+            let clock = BuildClock::until(is_interrupted);
             let (time, built) = pool.install(|| {
                 let build = || Trees::build(&workshop.scene, tree, &clock);
                 // Of one thread, what others do on the machine counts less.

@@ -6,9 +6,13 @@ use anyhow::{Context, Result};
 use bvh_flat::geometry::{Hit, MollerTrumboreTriangles, Naive, Shape, TraversalRay, UnpaddedBoxes};
 use bvh_flat::primitive::Primitive;
 use bvh_flat::{BuildError, BuildObserver, MeshBvh, RaySegment, SimdWidth, WideLayout, WideMesh};
+use rayon::prelude::*;
 use scene::{CompiledScene, MeshTree, Scene, SceneRay};
 
 use super::configuration::{Calls, KernelName, Layout, Traversal, TreeName};
+
+/// A thread that has none left takes as many or more from another.
+const RAYS_OF_A_TASK: usize = 256;
 
 /// A scene with its trees, of either kind.
 pub enum Trees {
@@ -56,7 +60,9 @@ pub struct Subject {
     /// Each mesh by itself, in its own space.
     pub meshes: Vec<Box<dyn Shape>>,
     /// The only mesh, to be asked many rays at once.
-    pub batch: Option<WideMesh>,
+    batch: Option<WideMesh>,
+    /// Whether the threads of the current pool share the rays.
+    is_parallel: bool,
 }
 
 impl Subject {
@@ -70,10 +76,11 @@ impl Subject {
             (Trees::Wide(compiled), Traversal::Wide { simd_width, calls }) => {
                 let width = simd_width.width().context("this processor does not have the SIMD width")?;
                 let mut subject = Self::with_meshes(compiled, width, |mesh| mesh.with_simd_width(width))?;
-                subject.batch = match calls {
-                    Calls::Single => None,
-                    Calls::Batch => compiled.meshes().first().map(|mesh| mesh.with_simd_width(width)),
-                };
+                match calls {
+                    Calls::Single => (),
+                    Calls::Batch => subject.batch = compiled.meshes().first().map(|mesh| mesh.with_simd_width(width)),
+                    Calls::Parallel => subject.is_parallel = true,
+                }
                 Ok(subject)
             }
             (Trees::Binary(compiled), Traversal::Binary { kernels }) => Self::of_kernels(compiled, kernels),
@@ -103,35 +110,48 @@ impl Subject {
         let compiled = compiled.with_meshes(width, shape)?;
         let boxed = |mesh: &N| Box::new(mesh.clone()) as Box<dyn Shape>;
         let meshes = compiled.meshes().iter().map(boxed).collect();
-        Ok(Self { world: compiled.shared_world(), meshes, batch: None })
+        Ok(Self { world: compiled.shared_world(), meshes, batch: None, is_parallel: false })
+    }
+
+    /// Whether rays are not just asked one by one.
+    pub fn has_calls_of_its_own(&self) -> bool {
+        self.batch.is_some() || self.is_parallel
     }
 
     /// The closest hits, as the calls are to be. Rays that make no sense are misses, as in a query by the user.
     pub fn closest(&self, rays: &[SceneRay], many: &[RaySegment], hits: &mut Vec<Option<Hit>>) {
         hits.clear();
-        match &self.batch {
-            Some(mesh) => {
-                hits.resize(many.len(), None);
-                mesh.intersect_many(many, hits);
-            }
-            None => hits.extend(
-                rays.iter().map(|r| TraversalRay::new(&r.ray).and_then(|ray| self.world.intersect(&ray, r.interval))),
-            ),
+        if let Some(mesh) = &self.batch {
+            hits.resize(many.len(), None);
+            mesh.intersect_many(many, hits);
+        } else {
+            self.ask(rays, hits, |r, ray| self.world.intersect(ray, r.interval));
         }
     }
 
     /// Whether each ray hits anything, likewise.
     pub fn any(&self, rays: &[SceneRay], many: &[RaySegment], hits: &mut Vec<bool>) {
         hits.clear();
-        match &self.batch {
-            Some(mesh) => {
-                hits.resize(many.len(), false);
-                mesh.intersect_p_many(many, hits);
-            }
-            None => hits.extend(
-                rays.iter()
-                    .map(|r| TraversalRay::new(&r.ray).is_some_and(|ray| self.world.intersect_p(&ray, r.interval))),
-            ),
+        if let Some(mesh) = &self.batch {
+            hits.resize(many.len(), false);
+            mesh.intersect_p_many(many, hits);
+        } else {
+            self.ask(rays, hits, |r, ray| self.world.intersect_p(ray, r.interval));
+        }
+    }
+
+    /// One by one, on this thread or on all.
+    fn ask<T: Default + Send>(
+        &self,
+        rays: &[SceneRay],
+        answers: &mut Vec<T>,
+        query: impl Fn(&SceneRay, &TraversalRay) -> T + Sync,
+    ) {
+        let answer = |r: &SceneRay| TraversalRay::new(&r.ray).map_or_else(T::default, |ray| query(r, &ray));
+        if self.is_parallel {
+            rays.par_iter().with_min_len(RAYS_OF_A_TASK).map(answer).collect_into_vec(answers);
+        } else {
+            answers.extend(rays.iter().map(answer));
         }
     }
 }

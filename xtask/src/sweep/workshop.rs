@@ -48,6 +48,12 @@ pub struct RaySet {
     pub batch: Vec<RaySegment>,
 }
 
+/// A pool of so many threads, where a number is said.
+pub fn own_pool(threads: Option<u32>) -> Result<Option<rayon::ThreadPool>> {
+    let pool = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads as usize).build();
+    Ok(threads.map(pool).transpose()?)
+}
+
 impl<'a> Workshop<'a> {
     /// A scene of the plan with the trees of `names`; `progress` is told of each step.
     pub fn open(

@@ -33,7 +33,8 @@ fn a_sweep_file_says_what_is_measured() {
     assert_eq!(list(&["sweep", "--config", "own.toml", "--leaf-size", "2", "--threads", "1"], here).len(), 1);
 }
 
-/// An engine's own rays: as many hits as `trace` finds. And batches, which a scene of one mesh can be asked.
+/// An engine's own rays: as many hits as `trace` finds. And batches, which a scene of one mesh can be asked, and calls
+/// from several threads.
 #[test]
 fn an_engines_own_rays_are_replayed() {
     let folder = directory();
@@ -55,6 +56,16 @@ fn an_engines_own_rays_are_replayed() {
     assert!(lines.iter().all(|l| l["ray_kind"] == "engine.rays" && l["rays"] == 4 && l["hits"] == 2));
     assert!(lines.iter().any(|line| line["calls"] == "batch"));
     assert!(lines.iter().all(|line| line["judged_rays"] == 4 && line["missed"] == 0));
+    let parallel = [&arguments[..], &["--calls", "single,parallel", "--layout", "wide", "--threads", "2"]].concat();
+    let (code, text) = run(&parallel, here);
+    assert_eq!(code, 0, "{text}");
+    assert!(text.contains("wide avx") || text.contains("wide portable"), "{text}");
+    let lines: Vec<Value> =
+        read(&here.join("out/results.jsonl")).lines().map(|line| serde_json::from_str(line).expect("JSON")).collect();
+    for calls in ["single", "parallel"] {
+        assert!(lines.iter().any(|line| line["calls"] == calls), "{calls}");
+    }
+    assert!(lines.iter().all(|line| line["hits"] == 2 && line["missed"] == 0 && line["build_threads"] == 2));
     let both = [&arguments[..], &["--ray-set", "random", "--rays", "64"]].concat();
     let (code, text) = run(&both, here);
     assert_eq!(code, 0, "{text}");
