@@ -172,8 +172,8 @@ impl TriangleMesh {
     }
 
     /// The surface of triangle `i` at (1 − u − v) a + u b + v c, where no ray has been: a place on an area light. `u` and
-    /// `v` are at least 0, their sum is at most 1. For places spread evenly over the triangle, of two numbers r and s in
-    /// [0, 1): u = 1 − √r, v = s √r.
+    /// `v` are at least 0, and their sum is at most 1 but for rounding. For places spread evenly over the triangle, of two
+    /// numbers r and s in [0, 1): u = 1 − √r, v = s √r.
     ///
     /// # Panics
     /// Where `i` is not below [`len`](Self::len).

@@ -121,8 +121,8 @@ pub(crate) fn outgoing_direction(ray: &TraversalRay) -> Vec3 {
 mod tests {
     use super::*;
     use crate::MaterialId;
-    use geometry::Interval;
     use geometry::exact::intersect_triangle_exact;
+    use geometry::{Interval, TriangleMesh};
 
     fn at(p: DVec3, p_error: DVec3, n: DVec3) -> SurfaceInteraction {
         let surface = Surface::of_material(MaterialId::from_index(0).expect("has an id"));
@@ -176,15 +176,22 @@ mod tests {
                 let ray = TraversalRay::new(&Ray::new(eye, middle - eye)).expect("valid");
                 geometry::triangle_surface_point(&ray, &[a, b, c], &[Vec2::ZERO; 3])
             });
-            let [from, to] = on.map(|point| SurfaceInteraction { point, ..at(point.p, point.p_error, point.n) });
-            let Some(ray) = TraversalRay::new(&from.spawn_ray_to(&to.point)) else { continue };
+            let [from, mut to] = on;
+            if i % 2 == 1 {
+                // A place that no ray has found, as on a lamp.
+                let lamp = TriangleMesh::new(triangles[1], vec![[0, 1, 2]]).expect("in range");
+                let [u, v, _] = vector().as_vec3().abs().to_array();
+                to = lamp.surface_at(0, u, v * (1.0 - u));
+            }
+            let from = SurfaceInteraction { point: from, ..at(from.p, from.p_error, from.n) };
+            let Some(ray) = TraversalRay::new(&from.spawn_ray_to(&to)) else { continue };
             for triangle in &triangles {
                 let met = intersect_triangle_exact(&ray, triangle, Interval::up_to(1.0));
                 assert_eq!(met, None, "{i} {ray:?} {triangle:?}");
             }
             let end = ray.origin64() + ray.direction64();
             asked += 1;
-            beyond += usize::from((end - to.point.p).length() > 1e-3 * (to.point.p - from.point.p).length());
+            beyond += usize::from((end - to.p).length() > 1e-3 * (to.p - from.point.p).length());
         }
         assert!(asked > 19_000 && beyond < asked / 100, "{asked} {beyond}");
     }
