@@ -171,9 +171,9 @@ impl TriangleMesh {
         triangle_surface_point(ray, &self.vertices(i), &self.corner_uvs(i))
     }
 
-    /// The surface of triangle `i` at (1 − u − v) a + u b + v c, where no ray has been: a place on an area light. `u` and
-    /// `v` are at least 0, and their sum is at most 1 but for rounding. For places spread evenly over the triangle, of two
-    /// numbers r and s in [0, 1): u = 1 − √r, v = s √r.
+    /// The surface of triangle `i` at (1 − u − v) a + u b + v c, where no ray has been: a place on an area light. `u`
+    /// and `v` are at least 0, and their sum is at most 1 but for rounding. For places spread evenly over the triangle,
+    /// of two numbers r and s in [0, 1): u = 1 − √r, v = s √r.
     ///
     /// # Panics
     /// Where `i` is not below [`len`](Self::len).

@@ -62,9 +62,9 @@ impl SurfaceInteraction {
     /// 6.8.6 of the fourth edition) without its shadow epsilon: both ends are moved, as [`spawn_ray`](Self::spawn_ray)
     /// does, and that at `t = 1` also by the rounding of the direction, to first order in the errors.
     ///
-    /// `other` is in the same space: a place on a light, of [`TriangleMesh::surface_at`](geometry::TriangleMesh::surface_at)
-    /// for instance, or the [`point`](Self::point) of another interaction. Where both are at one place, the ray may have
-    /// no direction, and then hits nothing.
+    /// `other` is in the same space: a place on a light, of
+    /// [`TriangleMesh::surface_at`](geometry::TriangleMesh::surface_at) for instance, or the [`point`](Self::point) of
+    /// another interaction. Where both are at one place, the ray may have no direction, and then hits nothing.
     pub fn spawn_ray_to(&self, other: &SurfacePoint) -> Ray {
         let p_error = rounded_error(other).as_dvec3();
         let origin = p_before(&self.point, other.p - self.point.p, self.p_error().as_dvec3());

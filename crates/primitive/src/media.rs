@@ -42,9 +42,9 @@ pub struct MediumBoundary {
 /// the `t` of its hit. Of boundaries at the same `t`, the one that continues the medium before comes first, then the
 /// smaller primitive. A surface that the ray meets in an edge or vertex, hence in several triangles at one `t`, counts
 /// once for each pair of media. A ray that runs along a surface is taken to come from outside. Empty where the interval
-/// is, or the ray is in one medium all the way: in which one is for the caller to know, as pbrt's rays do. It is that of
-/// the camera or, of a spawned ray, that side of the surface's [`media`](crate::SurfaceInteraction::media) which it leaves
-/// to; where the surface has none, that which the ray before was in.
+/// is, or the ray is in one medium all the way: in which one is for the caller to know, as pbrt's rays do. It is that
+/// of the camera or, of a spawned ray, that side of the surface's [`media`](crate::SurfaceInteraction::media) which it
+/// leaves to; where the surface has none, that which the ray before was in.
 pub fn medium_boundaries<P: Primitive + ?Sized>(
     primitive: &P,
     ray: &TraversalRay,

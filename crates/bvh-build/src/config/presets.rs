@@ -3,9 +3,10 @@
 use super::{BuildConfig, SplitAxes, SplitMethod};
 use crate::{Reinsertion, SpatialSplits};
 
-/// The presets. Large triangles among small ones are what reinsertion and spatial splits are good for; of scans all trees
-/// are nearly as good, and `balanced` is the better one of the two in the middle. The README of the workspace has what
-/// each costs and gives, and `cargo xtask sweep --config docs/sweeps/presets.toml SCENE` measures it on a scene of yours.
+/// The presets. Large triangles among small ones are what reinsertion and spatial splits are good for; of scans all
+/// trees are nearly as good, and `balanced` is the better one of the two in the middle. The README of the workspace has
+/// what each costs and gives, and `cargo xtask sweep --config docs/sweeps/presets.toml SCENE` measures it on a scene of
+/// yours.
 impl BuildConfig {
     /// The presets with their names, from the fastest build to the best tree.
     pub const PRESETS: [(&str, Self); 5] = [
@@ -28,8 +29,8 @@ impl BuildConfig {
 
     /// A good tree of whatever there is, in little time: [`SplitMethod::Sah`] over 32 buckets on all axes.
     ///
-    /// Leaves of up to five, and no full sweeps: with four and sweeps of 16, a build took 1.05 to 1.1 times as long, and
-    /// no rays were faster. With eight it took 0.83 of the time, and kitchen's rays 1.06.
+    /// Leaves of up to five, and no full sweeps: with four and sweeps of 16, a build took 1.05 to 1.1 times as long,
+    /// and no rays were faster. With eight it took 0.83 of the time, and kitchen's rays 1.06.
     pub const fn balanced() -> Self {
         Self::new(SplitMethod::Sah)
             .with_buckets(32)

@@ -14,8 +14,8 @@ const U64: f64 = f64::EPSILON / 2.0;
 
 /// An invertible affine map from one space (object) to another (world), with its inverse.
 ///
-/// In f64 throughout, so that a chain of many adds next to nothing to the one rounding of the f32 data. Vectors are arrays
-/// of f64, `DVec3` or `Vec3`; of an array of f32, `Vec3::from`.
+/// In f64 throughout, so that a chain of many adds next to nothing to the one rounding of the f32 data. Vectors are
+/// arrays of f64, `DVec3` or `Vec3`; of an array of f32, `Vec3::from`.
 ///
 /// ```
 /// use geometry::Transform;
