@@ -101,16 +101,16 @@ pub(crate) fn answer<'a, Q: Answered<'a>>(
     ray: &TraversalRay,
     interval: Interval,
 ) -> Q::Answer {
-    let (t_min, t_max) = (interval.t_min(), interval.t_max());
-    width.run(One { triangles, ray, t_min, t_max, query: PhantomData::<Q> })
+    let ends = [interval.t_min(), interval.t_max()];
+    width.run(One { triangles, ray, ends: bytemuck::must_cast(ends), query: PhantomData::<Q> })
 }
 
 struct One<'a, 'r, Q> {
     triangles: &'a Triangles,
     ray: &'r TraversalRay,
-    /// The ends of its interval, one by one: see [`TriangleRay::new`].
-    t_min: f32,
-    t_max: f32,
+    /// The two ends of its interval, in one number. Two would be written one by one and read as one vector, and such a
+    /// load waits until both have left the store queue: 9 ns of each ray, of AVX2.
+    ends: u64,
     query: PhantomData<Q>,
 }
 
@@ -119,7 +119,8 @@ impl<'a, Q: Answered<'a>> Kernel for One<'a, '_, Q> {
 
     #[inline(always)]
     fn run<L: Lanes>(self) -> Q::Answer {
-        let Self { triangles, ray, t_min, t_max, .. } = self;
+        let Self { triangles, ray, ends, .. } = self;
+        let [t_min, t_max] = bytemuck::must_cast(ends);
         let interval = Interval::new(t_min, t_max);
         let mut query = Q::new(Asked::new(triangles, ray, interval));
         let WideTree { arena, root, .. } = &triangles.tree;
