@@ -85,6 +85,7 @@ mod small;
 mod spatial;
 mod split;
 mod subtree;
+mod tiny;
 mod tree;
 
 /// The version of the builder: another one makes other trees of the same bounds and the same configuration. To be

@@ -66,6 +66,12 @@ impl PrimInfo {
         Ok((room, active))
     }
 
+    /// The same with bounds at another scale.
+    pub(crate) fn scaled(&self, scale: f32) -> Self {
+        let scaled = |corner: Vec4| (corner.truncate() * scale).extend(corner.w);
+        Self { min: scaled(self.min), max: scaled(self.max) }
+    }
+
     /// Its index.
     #[inline]
     pub(crate) fn index(&self) -> u32 {
