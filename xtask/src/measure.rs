@@ -1,4 +1,4 @@
-//! Clocks: the only place of the workspace that reads one.
+//! Clocks, and how much memory there is in use: the only place of the workspace that reads either.
 
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
@@ -90,6 +90,21 @@ fn on_processor() -> Option<Duration> {
     std::thread::yield_now();
     let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
     text.split(' ').next()?.parse().ok().map(Duration::from_nanos)
+}
+
+/// By how many bytes the memory of this process grows while `f` runs, at the peak, and what it gives; `None` where the
+/// system does not tell (Linux does). What was freed before, and is still kept for the process, is used first and not
+/// counted.
+pub fn peak_memory<T>(f: impl FnOnce() -> T) -> (Option<u64>, T) {
+    let bytes = |what: &str| {
+        let status = std::fs::read_to_string("/proc/self/status").ok()?;
+        let line = status.lines().find_map(|line| line.strip_prefix(what))?;
+        line.trim_start_matches(':').trim().trim_end_matches(" kB").parse::<u64>().ok().map(|kib| 1024 * kib)
+    };
+    // Forgets the peak so far.
+    let begun = std::fs::write("/proc/self/clear_refs", "5").ok().and_then(|()| bytes("VmRSS"));
+    let value = f();
+    (begun.zip(bytes("VmHWM")).map(|(begun, peak)| peak.saturating_sub(begun)), value)
 }
 
 /// How long ago something began.

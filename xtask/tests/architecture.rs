@@ -66,7 +66,7 @@ fn who_uses_whom() {
     for (name, expected) in [
         ("geometry", "glam libm thiserror"),
         ("primitive", "geometry"),
-        ("bvh-build", "geometry radsort rayon? thiserror"),
+        ("bvh-build", "bytemuck geometry memmap2? radsort rayon? thiserror"),
         (
             "bvh-flat",
             "bincode? bvh-build? bytemuck geometry memmap2? primitive rayon? serde? tempfile? thiserror xxhash-rust?",

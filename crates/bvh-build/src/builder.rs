@@ -8,7 +8,7 @@ use crate::recursive::{Group, Rules};
 use crate::subtree::Subtree;
 use crate::{
     BuildConfig, BuildError, BuildObserver, Cancelled, ClippedBounds, Node, Phase, ProgressReporter, SpatialSplits,
-    SplitMethod, Tree, TreeStatistics, binned, hlbvh, merge, reinsertion, spatial,
+    SplitMethod, Tree, TreeStatistics, binned, hlbvh, merge, reinsertion, spatial, tiny,
 };
 
 /// The tree over `bounds`; see [`build_observed`].
@@ -63,22 +63,24 @@ fn build_clipped(
 ) -> Result<Tree, BuildError> {
     config.validate()?;
     check_count(count)?;
-    let mut prims = ProgressReporter::observe(observer, Phase::Bounds, count, |progress| {
-        PrimInfo::active(count, bounds, progress)
-    })?;
-    let active = prims.len();
     let splits = config.spatial_splits.filter(|_| config.split_method == SplitMethod::Sah).zip(clipped);
-    let room = splits.map_or(0, |(splits, _)| splits.room(active));
-    check_count(count.saturating_add(room))?;
+    let most = splits.map_or(0, |(splits, _)| splits.room(count));
+    check_count(count.saturating_add(most))?;
+    let (mut prims, active) = ProgressReporter::observe(observer, Phase::Bounds, count, |progress| {
+        PrimInfo::active(count, most, bounds, progress)
+    })?;
+    let is_tiny = tiny::scale(&mut prims[..active]);
     // With reinsertion: which primitives a leaf should have is known better from below.
     let max_in_leaf = if config.reinsertion.is_some() { 1 } else { config.max_primitives_in_leaf };
     let growth = config.with_max_primitives_in_leaf(max_in_leaf);
     let (mut nodes, mut order) = match splits {
         Some((splits, clipped)) if active > 0 => {
-            prims.resize(active + room, PrimInfo::ZERO);
+            prims.truncate(active + splits.room(active));
+            let of_tiny = |index: u32, to: &Bounds3| tiny::clipped(clipped, index, to);
+            let clipped = if is_tiny { &of_tiny } else { clipped };
             grow_split(&mut prims, active, &splits, clipped, &growth, observer)?
         }
-        _ => grow(&mut prims, &growth, observer)?,
+        _ => grow(&mut prims[..active], &growth, observer)?,
     };
     drop(prims);
     if let Some(options) = &config.reinsertion {
@@ -88,6 +90,9 @@ fn build_clipped(
             let (nodes, order) = merge::leaves(nodes, order, config, progress)?;
             reinsertion::optimize(nodes, order, options, observer, progress)
         })?;
+    }
+    if is_tiny {
+        tiny::scale_back(&mut nodes);
     }
     Ok(finish(nodes, order, [active, count], config, observer)?)
 }

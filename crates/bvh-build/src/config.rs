@@ -43,8 +43,10 @@ pub enum SplitAxes {
     /// Along the one on which the centroids are spread most, as in pbrt. The fastest.
     #[default]
     Dominant,
-    /// Along all three, over no more buckets than half the primitives of a node, but eight; and in nodes of no more
-    /// primitives than [`full_sweep`](BuildConfig::full_sweep) over all boundaries between two centroids.
+    /// Along all three, over no more buckets than half the primitives of a node, but eight; in nodes of no more
+    /// primitives than [`full_sweep`](BuildConfig::full_sweep) over all boundaries between two centroids. Nodes of many
+    /// primitives are divided between the cells of a grid, by the same heuristic, as long as they span three cells for
+    /// sixteen buckets.
     All,
 }
 

@@ -80,15 +80,17 @@ mod prim_info;
 mod progress;
 mod recursive;
 mod reinsertion;
+mod room;
 mod small;
 mod spatial;
 mod split;
 mod subtree;
+mod tiny;
 mod tree;
 
 /// The version of the builder: another one makes other trees of the same bounds and the same configuration. To be
 /// raised with every change that does, so that trees which are kept in files are told from new ones.
-pub const BUILDER_VERSION: u32 = 3;
+pub const BUILDER_VERSION: u32 = 4;
 
 pub use builder::{build, build_observed, build_split};
 pub use config::{BuildConfig, MortonBits, SplitAxes, SplitMethod};

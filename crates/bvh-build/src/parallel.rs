@@ -1,7 +1,5 @@
 //! Doing two or many things, at the same time where the feature `parallel` allows it. Results never depend on it.
 
-use std::ops::Range;
-
 use crate::{Cancelled, ProgressReporter};
 
 /// Both results.
@@ -40,31 +38,29 @@ pub(crate) fn map<T: Send, R: Send>(
     results.into_iter().collect()
 }
 
-/// The result for each number below `count`, in order; so many items are done then.
-pub(crate) fn collect<R: Send>(
-    count: usize,
+/// Makes `all` the result for each number, in order; so many items are done then.
+pub(crate) fn fill<R: Send>(
+    all: &mut [R],
     progress: &ProgressReporter,
     f: impl Fn(usize) -> R + Send + Sync,
-) -> Result<Vec<R>, Cancelled> {
-    let mut all = Vec::with_capacity(count);
+) -> Result<(), Cancelled> {
     let block = 8 * SEQUENTIAL * threads();
-    for begin in (0..count).step_by(block) {
-        let numbers = begin..count.min(begin + block);
-        progress.update(numbers.len())?;
-        extend(&mut all, numbers, &f);
+    for (part, begin) in all.chunks_mut(block).zip((0..).step_by(block)) {
+        progress.update(part.len())?;
+        fill_part(part, begin, &f);
     }
-    Ok(all)
+    Ok(())
 }
 
 #[cfg(feature = "parallel")]
-fn extend<R: Send>(all: &mut Vec<R>, numbers: Range<usize>, f: impl Fn(usize) -> R + Send + Sync) {
-    use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelExtend, ParallelIterator};
-    all.par_extend(numbers.into_par_iter().with_min_len(SEQUENTIAL).map(f));
+fn fill_part<R: Send>(part: &mut [R], begin: usize, f: impl Fn(usize) -> R + Send + Sync) {
+    use rayon::iter::{IndexedParallelIterator, IntoParallelRefMutIterator, ParallelIterator};
+    part.par_iter_mut().with_min_len(SEQUENTIAL).enumerate().for_each(|(i, x)| *x = f(begin + i));
 }
 
 #[cfg(not(feature = "parallel"))]
-fn extend<R: Send>(all: &mut Vec<R>, numbers: Range<usize>, f: impl Fn(usize) -> R + Send + Sync) {
-    all.extend(numbers.map(f));
+fn fill_part<R: Send>(part: &mut [R], begin: usize, f: impl Fn(usize) -> R + Send + Sync) {
+    part.iter_mut().zip(begin..).for_each(|(x, i)| *x = f(i));
 }
 
 /// Up to so many primitives, to wake a second thread takes longer than to look at them.

@@ -2,16 +2,19 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use bytemuck::{Pod, Zeroable};
 use geometry::glam::{Vec3A, Vec4};
 use geometry::{Axis, Bounds3};
 
+use crate::room::Room;
 use crate::{Cancelled, ProgressReporter, parallel};
 
 /// One active primitive: its bounds and its index. Builders reorder these in place.
 ///
 /// What is behind a corner takes part in all arithmetic, since it is in the same register. Small whole numbers would be
 /// denormal there, which takes a multiplication ten times as long; with [`BIAS`] added they are the numbers from 1 on.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C)]
 pub(crate) struct PrimInfo {
     /// The lower corner, and the index.
     min: Vec4,
@@ -32,15 +35,19 @@ impl PrimInfo {
         Self { min: (bounds.min + 0.0).extend(index), max: (bounds.max + 0.0).extend(1.0) }
     }
 
-    /// The active ones among `count` primitives with these `bounds`, in order.
+    /// The active ones among `count` primitives with these `bounds`, in order, and how many they are; with room for all
+    /// and `more`.
     pub(crate) fn active(
         count: usize,
+        more: usize,
         bounds: impl Fn(u32) -> Bounds3 + Sync,
         progress: &ProgressReporter,
-    ) -> Result<Vec<Self>, Cancelled> {
+    ) -> Result<(Room<Self>, usize), Cancelled> {
         let inactive = AtomicBool::new(false);
+        let mut room = Room::zeroed(count + more);
+        let all = &mut room[..count];
         // Indices fit: there are at most MAX_PRIMITIVES.
-        let mut active = parallel::collect(count, progress, |i| {
+        parallel::fill(all, progress, |i| {
             let bounds = bounds(i as u32);
             if bounds.is_valid() {
                 return Self::new(&bounds, i as u32);
@@ -48,10 +55,21 @@ impl PrimInfo {
             inactive.store(true, Ordering::Relaxed);
             Self::new(&Bounds3::default(), u32::MAX)
         })?;
+        let mut active = count;
         if inactive.into_inner() {
-            active.retain(|p| p.index() != u32::MAX);
+            active = 0;
+            for i in 0..count {
+                all[active] = all[i];
+                active += usize::from(all[i].index() != u32::MAX);
+            }
         }
-        Ok(active)
+        Ok((room, active))
+    }
+
+    /// The same with bounds at another scale.
+    pub(crate) fn scaled(&self, scale: f32) -> Self {
+        let scaled = |corner: Vec4| (corner.truncate() * scale).extend(corner.w);
+        Self { min: scaled(self.min), max: scaled(self.max) }
     }
 
     /// Its index.
@@ -116,6 +134,11 @@ impl Bounds3A {
         if self.min.cmple(self.max).all() { self.surface_area() } else { 0.0 }
     }
 
+    /// Whether the surface area of bounds that are not empty is more than 0.
+    pub(crate) fn has_area(&self) -> bool {
+        self.min.cmplt(self.max).bitmask().count_ones() >= 2
+    }
+
     /// The surface area of bounds that are not empty; exact up to f64 rounding.
     pub(crate) fn surface_area(&self) -> f64 {
         let d = self.max.as_dvec3() - self.min.as_dvec3();
@@ -159,6 +182,11 @@ impl Extent {
     #[inline]
     pub(crate) fn union(&self, other: &Self) -> Self {
         Self { bounds: self.bounds.union(&other.bounds), centroids2: self.centroids2.union(&other.centroids2) }
+    }
+
+    /// Whether the centroids are not all one point.
+    pub(crate) fn is_spread(&self) -> bool {
+        self.centroids2.min.cmplt(self.centroids2.max).any()
     }
 
     /// The axis along which the centroids are spread most, and their interval there; `None` where all are one point.

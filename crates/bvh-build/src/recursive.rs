@@ -68,8 +68,8 @@ impl Part for Group<'_> {
         })
     }
 
-    fn finish(&mut self, depth: u32, nodes: &mut Vec<Node>) -> Option<u32> {
-        finish(self.prims, self.first, self.rules, depth, nodes)
+    fn finish(&mut self, depth: u32, nodes: &mut Vec<Node>) -> Result<Option<u32>, Cancelled> {
+        Ok(finish(self.prims, self.first, self.rules, depth, nodes))
     }
 }
 

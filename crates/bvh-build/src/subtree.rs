@@ -6,7 +6,7 @@ use crate::parallel::join;
 use crate::{Cancelled, Node, NodeKind, ProgressReporter};
 
 /// Up to this many primitives a subtree is grown by one thread into one block of nodes.
-const SEQUENTIAL: usize = 4096;
+const SEQUENTIAL: usize = 2048;
 
 /// A set of primitives that will be a subtree.
 pub(crate) trait Part: Send + Sized {
@@ -19,11 +19,17 @@ pub(crate) trait Part: Send + Sized {
     /// What becomes of it as the node at `depth`, counted from 1 at the root.
     fn split(self, depth: u32) -> Result<Step<Self>, Cancelled>;
 
+    /// The whole subtree, where there is a way of its own for parts of many; else the part.
+    fn grow_many(self: Box<Self>, depth: u32) -> Result<Result<Subtree, Box<Self>>, Cancelled> {
+        let _ = depth;
+        Ok(Err(self))
+    }
+
     /// Appends the whole subtree to `nodes`, with its root at `depth`, where there is a faster way than to split and
     /// split again; the depth of its deepest node. Second children are relative to the first of `nodes`.
-    fn finish(&mut self, depth: u32, nodes: &mut Vec<Node>) -> Option<u32> {
+    fn finish(&mut self, depth: u32, nodes: &mut Vec<Node>) -> Result<Option<u32>, Cancelled> {
         let _ = (depth, nodes);
-        None
+        Ok(None)
     }
 }
 
@@ -68,6 +74,10 @@ impl Subtree {
         if part.len() <= SEQUENTIAL {
             return Self::grow_block(part, depth, progress);
         }
+        let part = match part.grow_many(depth)? {
+            Ok(subtree) => return Ok(subtree),
+            Err(part) => part,
+        };
         match Self::divide(part, depth, progress)? {
             Divided::Leaf(leaf) => Ok(leaf),
             Divided::Interior(axis, a, b) => {
@@ -108,7 +118,7 @@ impl Subtree {
                 let parent: &mut Node = &mut nodes[parent];
                 parent.kind = NodeKind::Interior { axis, second_child };
             }
-            if let Some(end) = part.finish(depth, &mut nodes) {
+            if let Some(end) = part.finish(depth, &mut nodes)? {
                 deepest = deepest.max(end);
                 continue;
             }

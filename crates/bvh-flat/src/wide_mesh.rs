@@ -23,7 +23,7 @@ use crate::wide::{
     TriangleWriter, Triangles, Watch, answer, answer_many, boxes, collapse, leaf_cost, refit, with_small_leaves,
 };
 #[cfg(feature = "build")]
-use crate::wide::{LEAF_COST, TRIANGLE_COST};
+use crate::wide::{LEAF_COST, TRIANGLE_COST, prefetch_vertices};
 #[cfg(feature = "build")]
 use crate::{BuildConfig, BuildError, BuildObserver};
 use crate::{MeshBvh, RaySegment, RefitError};
@@ -91,6 +91,10 @@ fn binary_config(config: &BuildConfig) -> BuildConfig {
     }
 }
 
+/// How many triangles ahead of that whose bounds are asked for the memory is asked for vertices.
+#[cfg(feature = "build")]
+const BOUNDS_AHEAD: usize = 24;
+
 impl WideMesh {
     /// Builds a tree over `mesh`. Sets of up to `config.max_primitives_in_leaf` triangles are not divided any more;
     /// leaves of up to eight are made of them by what these cost in a wide tree, whatever the costs of `config` are.
@@ -118,7 +122,11 @@ impl WideMesh {
         observer: &dyn BuildObserver,
     ) -> Result<Self, BuildError> {
         let mesh = mesh.into();
-        let bounds = |i: u32| mesh.triangle_bounds(i as usize);
+        let bounds = |i: u32| {
+            // Neighbours in the order of triangles may have vertices anywhere.
+            prefetch_vertices(&mesh, i as usize + BOUNDS_AHEAD);
+            mesh.triangle_bounds(i as usize)
+        };
         let clipped = |i: u32, to: &Bounds3| clipped_triangle_bounds(&mesh.vertices(i as usize), to);
         let tree = bvh_build::build_split(mesh.len(), bounds, &clipped, &binary_config(config), observer)?;
         let is_split = tree.statistics().reference_count > tree.statistics().active_count;

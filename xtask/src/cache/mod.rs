@@ -14,6 +14,7 @@ use scene::{Scene, SceneShape};
 
 use crate::build_bar::BuildBar;
 use crate::input::{self, SCENE_HELP, SceneSource, SplitMethodName};
+use crate::measure::peak_memory;
 use crate::table::count;
 
 pub use bench::uses_until_a_file_pays;
@@ -141,19 +142,30 @@ fn build(arguments: &BuildArguments) -> Result<()> {
     for mesh in meshes {
         let key = GeometryKey::of_mesh(&mesh);
         let path = arguments.out.clone().unwrap_or_else(|| arguments.dir.join(options.file_name(key)));
-        let length = match options.layout() {
+        let (peak, length, memory) = match options.layout() {
             TreeLayout::Wide(layout) => {
-                let tree = WideMesh::build_observed(mesh, &config, layout, &BuildBar::new())?;
+                let (peak, tree) = peak_memory(|| WideMesh::build_observed(mesh, &config, layout, &BuildBar::new()));
+                let tree = tree?;
                 tree.save(&path, &options).with_context(|| path.display().to_string())?;
-                tree.file_length()
+                (peak, tree.file_length(), tree.memory())
             }
             TreeLayout::Binary => {
-                let tree = MeshBvh::build_observed(mesh, &config, &BuildBar::new())?;
+                let (peak, tree) = peak_memory(|| MeshBvh::build_observed(mesh, &config, &BuildBar::new()));
+                let tree = tree?;
                 tree.bvh().save(&path, key, &options).with_context(|| path.display().to_string())?;
-                tree.bvh().file_length()
+                (peak, tree.bvh().file_length(), tree.memory())
             }
         };
         println!("{}: {} bytes", path.display(), count(length));
+        // What a small build takes is the process's own.
+        if let Some(peak) = peak.filter(|_| memory >= 1 << 20) {
+            let ratio = peak as f64 / memory.max(1) as f64;
+            println!(
+                "in memory {} bytes; while it was built at most {} ({ratio:.2} times)",
+                count(memory as u64),
+                count(peak)
+            );
+        }
     }
     Ok(())
 }

@@ -2,8 +2,10 @@
 
 use std::fmt::Debug;
 
+use bytemuck::Pod;
+
 /// A code, and behind it the number of what has it: of equal codes the smaller number comes first.
-pub(super) trait Coded: Copy + Debug + Default + Ord + Send + Sync {
+pub(super) trait Coded: Pod + Debug + Ord + Send + Sync {
     /// How many bits a code may have.
     const CODE_BITS: u32;
 

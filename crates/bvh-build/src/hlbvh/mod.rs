@@ -8,6 +8,7 @@ mod upper_sah;
 use crate::morton::MortonGrid;
 use crate::parallel;
 use crate::prim_info::{Extent, PrimInfo};
+use crate::room::Room;
 use crate::{BuildConfig, BuildObserver, Cancelled, Node, Phase, ProgressReporter};
 use coded::Coded;
 
@@ -38,16 +39,18 @@ pub(crate) fn build(
 
 /// The codes of all primitives, and how many of their bits do not name the treelet.
 enum Codes {
-    Short(Vec<u64>, u32),
-    Long(Vec<u128>, u32),
+    Short(Room<u64>, u32),
+    Long(Room<u128>, u32),
 }
 
-fn coded<C: Coded>(prims: &[PrimInfo], grid: &MortonGrid, progress: &ProgressReporter) -> Result<Vec<C>, Cancelled> {
-    parallel::collect(prims.len(), progress, |place| C::new(grid.code(&prims[place]), place as u32))
+fn coded<C: Coded>(prims: &[PrimInfo], grid: &MortonGrid, progress: &ProgressReporter) -> Result<Room<C>, Cancelled> {
+    let mut coded = Room::zeroed(prims.len());
+    parallel::fill(&mut coded, progress, |place| C::new(grid.code(&prims[place]), place as u32))?;
+    Ok(coded)
 }
 
 fn build_coded<C: Coded>(
-    mut coded: Vec<C>,
+    mut coded: Room<C>,
     low_bits: u32,
     prims: &[PrimInfo],
     config: &BuildConfig,

@@ -7,6 +7,7 @@
 use std::mem::take;
 
 use super::coded::Coded;
+use crate::room::Room;
 use crate::{Cancelled, ProgressReporter, parallel};
 
 /// Up to so many are sorted by one thread, from the lowest bits.
@@ -34,9 +35,9 @@ pub(super) fn sort<C: Coded>(coded: &mut [C], progress: &ProgressReporter) -> Re
     }
     let shift = bits.saturating_sub(DIGIT_BITS);
     let digit = |c: C| (c.code() >> shift) as usize & ((1 << DIGIT_BITS) - 1);
-    let mut sorted = vec![C::default(); coded.len()];
+    let mut sorted = Room::zeroed(coded.len());
     let ends = distribute(coded, &mut sorted, digit, progress)?;
-    let (mut parts, mut rest) = (Vec::new(), (coded, sorted.as_mut_slice()));
+    let (mut parts, mut rest) = (Vec::new(), (coded, &mut *sorted));
     let mut begin = 0;
     for end in ends {
         let (a, behind_a) = take(&mut rest.0).split_at_mut(end - begin);

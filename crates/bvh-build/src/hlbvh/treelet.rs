@@ -108,9 +108,9 @@ impl<C: Coded> Part for TreeletPart<'_, C> {
         ))
     }
 
-    fn finish(&mut self, depth: u32, nodes: &mut Vec<Node>) -> Option<u32> {
+    fn finish(&mut self, depth: u32, nodes: &mut Vec<Node>) -> Result<Option<u32>, Cancelled> {
         match self {
-            Self::Coded { .. } => None,
+            Self::Coded { .. } => Ok(None),
             Self::Cell(group) => group.finish(depth, nodes),
         }
     }

@@ -113,10 +113,10 @@ impl Part for Group<'_> {
         ))
     }
 
-    fn finish(&mut self, depth: u32, nodes: &mut Vec<Node>) -> Option<u32> {
+    fn finish(&mut self, depth: u32, nodes: &mut Vec<Node>) -> Result<Option<u32>, Cancelled> {
         if self.may_be_cut() {
-            return None;
+            return Ok(None);
         }
-        finish(&mut self.room[..self.count], self.first, &self.setting.rules, depth, nodes)
+        Ok(finish(&mut self.room[..self.count], self.first, &self.setting.rules, depth, nodes))
     }
 }

@@ -45,9 +45,7 @@ pub(crate) fn split(
         // pbrt gives pairs to equal counts and never asks whether they would be better as a leaf. The buckets find the
         // same split, and do ask.
         (SplitMethod::Sah, Some(_)) if extent.bounds.surface_area() > 0.0 => {
-            let leaf_cost =
-                if fits_a_leaf { f64::from(config.intersection_cost) * prims.len() as f64 } else { f64::INFINITY };
-            match sah::split(prims, extent, config, leaf_cost, progress)? {
+            match sah::split(prims, extent, config, sah::leaf_cost(prims.len(), config), progress)? {
                 // Only where the processor takes differences below 2⁻¹²⁶ for zero.
                 None if !fits_a_leaf => Some(equal_counts::split(prims, extent, progress)?),
                 split => split,

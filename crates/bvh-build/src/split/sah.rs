@@ -9,10 +9,9 @@ use geometry::Axis;
 
 use super::{Split, partition};
 use crate::config::MAX_BUCKETS;
-use crate::prim_info::{Extent, PrimInfo};
+use crate::prim_info::{Bounds3A, Extent, PrimInfo};
 use crate::{BuildConfig, Cancelled, ProgressReporter, SplitAxes};
-pub(crate) use all_axes::{Plane, cheapest_plane};
-use buckets::Buckets;
+pub(crate) use all_axes::{Buckets, Grid, Plane, cheapest_plane};
 pub(crate) use sweep::{MAX_SWEPT, Sorted};
 
 /// Splits `prims` where the expected cost of a ray that meets the node is least, by the axes and buckets of `config`.
@@ -59,7 +58,7 @@ fn one_axis<const CAPACITY: usize>(
         let best = few::cheapest_boundary::<CAPACITY>(prims, projection);
         return limit.is_above(best.weight).then(|| Split::at(best.place, axis, prims, progress)).transpose();
     }
-    let mut buckets = Buckets::<CAPACITY>::EMPTY;
+    let mut buckets = buckets::Buckets::<CAPACITY>::EMPTY;
     buckets.add(prims, projection, progress)?;
     let best = buckets.cheapest_boundary();
     if !limit.is_above(best.weight) {
@@ -74,7 +73,7 @@ fn one_axis<const CAPACITY: usize>(
 pub(crate) struct Limit {
     t_trav: f64,
     t_isect: f64,
-    area: f64,
+    bounds: Bounds3A,
     leaf_cost: f64,
 }
 
@@ -82,14 +81,17 @@ impl Limit {
     /// The limit `leaf_cost` for a node that takes up `extent`, which has some area.
     pub(crate) fn new(extent: &Extent, config: &BuildConfig, leaf_cost: f64) -> Self {
         let [t_trav, t_isect] = [config.traversal_cost, config.intersection_cost].map(f64::from);
-        Self { t_trav, t_isect, area: extent.bounds.surface_area(), leaf_cost }
+        Self { t_trav, t_isect, bounds: extent.bounds, leaf_cost }
     }
 
     /// The limit for a set of `count` primitives: what they cost as a leaf, if they fit one.
     pub(crate) fn of(count: usize, extent: &Extent, config: &BuildConfig) -> Self {
-        let fits_a_leaf = count <= config.max_primitives_in_leaf as usize;
-        let leaf_cost = if fits_a_leaf { f64::from(config.intersection_cost) * count as f64 } else { f64::INFINITY };
-        Self::new(extent, config, leaf_cost)
+        Self::new(extent, config, leaf_cost(count, config))
+    }
+
+    /// Whether `count` primitives as a leaf cost no more than any split of them can.
+    pub(crate) fn is_cheap(count: usize, config: &BuildConfig) -> bool {
+        leaf_cost(count, config) <= f64::from(config.traversal_cost)
     }
 
     /// Whether any split can cost less.
@@ -99,17 +101,25 @@ impl Limit {
 
     /// Whether a boundary of this weight costs less. No boundary has the weight infinity, and costs less than nothing.
     fn is_above(&self, weight: f64) -> bool {
-        weight < f64::INFINITY && self.t_trav + self.t_isect * weight / self.area < self.leaf_cost
+        weight < f64::INFINITY
+            && (self.leaf_cost == f64::INFINITY
+                || self.t_trav + self.t_isect * weight / self.bounds.surface_area() < self.leaf_cost)
     }
+}
+
+/// What `count` primitives cost as a leaf, if they fit one.
+pub(crate) fn leaf_cost(count: usize, config: &BuildConfig) -> f64 {
+    let fits_a_leaf = count <= config.max_primitives_in_leaf as usize;
+    if fits_a_leaf { f64::from(config.intersection_cost) * count as f64 } else { f64::INFINITY }
 }
 
 /// A boundary with primitives on both sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Boundary {
+pub(crate) struct Boundary {
     /// How many buckets, or primitives in order of their buckets, lie before it.
-    place: usize,
+    pub(crate) place: usize,
     /// Count times area of what lies before it and of what lies behind: n_A s_A + n_B s_B.
-    weight: f64,
+    pub(crate) weight: f64,
 }
 
 impl Boundary {
@@ -246,10 +256,17 @@ mod tests {
                         let progress = ProgressReporter::unobserved();
                         split(&mut prims, &extent, &config, leaf_cost, &progress).expect("nobody cancels")
                     };
-                    assert!(split(cost).is_none(), "a leaf is as cheap: {what}");
-                    let found = split(cost.next_up()).expect("a split is cheaper");
-                    assert_eq!(indices(prims[..found.middle].iter()), expected, "{what}");
+                    // On all axes costs are compared in f32.
+                    let is_rounded = config.axes == SplitAxes::All && n > config.full_sweep;
+                    let error = if is_rounded { 1e-6 * cost } else { 0.0 };
+                    assert!(split(cost - error).is_none(), "a leaf is as cheap: {what}");
+                    let found = split((cost + error).next_up()).expect("a split is cheaper");
                     let (a, b) = prims.split_at(found.middle);
+                    let weight = |side: &[PrimInfo]| side.len() as f64 * Extent::of(side).bounds.surface_area();
+                    let part = (weight(a) + weight(b)) / extent.bounds.surface_area();
+                    let found_cost = f64::from(config.traversal_cost) + f64::from(config.intersection_cost) * part;
+                    assert!(found_cost <= cost + error, "{what}: {found_cost} {cost}");
+                    assert!(is_rounded || indices(a.iter()) == expected, "{what}");
                     let on_axis = |p: &PrimInfo| p.centroid2_on(found.axis);
                     let last = a.iter().map(on_axis).fold(f32::NEG_INFINITY, f32::max);
                     assert!(b.iter().all(|p| last < on_axis(p)), "{what}");

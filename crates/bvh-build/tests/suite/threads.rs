@@ -66,8 +66,8 @@ fn the_bytes_of_a_tree_are_known() {
         0xac87_d6b8_66e4_b6c3,
         0x2f7d_fbfd_586d_d2af,
         0x4a30_2862_0cd3_5758,
-        0x832a_e8eb_2e02_a979,
-        0xe15d_92ea_8abb_d04d,
+        0xf512_b9a2_c3c5_0a91,
+        0x3d72_fa13_d962_6749,
     ];
     assert_eq!(digests, known, "{digests:#018x?}");
 }

@@ -29,7 +29,7 @@ pub(crate) use refit::refit;
 pub(crate) use traverse::{Query, traverse};
 pub(crate) use triangles::{Blocks, Compact, TriangleWriter, Triangles, leaf_cost};
 #[cfg(feature = "build")]
-pub(crate) use triangles::{LEAF_COST, TRIANGLE_COST};
+pub(crate) use triangles::{LEAF_COST, TRIANGLE_COST, prefetch_vertices};
 #[cfg(feature = "cache")]
 pub use validate::InvalidWideTree;
 #[cfg(feature = "cache")]

@@ -217,6 +217,14 @@ pub(crate) fn leaf_cost(count: usize) -> f64 {
     LEAF_COST + TRIANGLE_COST * count as f64
 }
 
+/// Asks for the vertices of a triangle, if there is one of this number.
+#[inline(always)]
+pub(crate) fn prefetch_vertices(mesh: &TriangleMesh, id: usize) {
+    if let Some(triangle) = mesh.triangles().get(id) {
+        triangle.iter().filter_map(|&i| mesh.positions().get(i as usize)).for_each(prefetch);
+    }
+}
+
 /// Writes leaves of a layout.
 pub(crate) struct TriangleWriter<'a, Y> {
     mesh: &'a TriangleMesh,
@@ -240,8 +248,8 @@ impl<'a, Y: Layout> TriangleWriter<'a, Y> {
         for triangle in ahead(TRIANGLES).filter_map(|&id| self.mesh.triangles().get(id as usize)) {
             prefetch(triangle);
         }
-        for triangle in ahead(VERTICES).filter_map(|&id| self.mesh.triangles().get(id as usize)) {
-            triangle.iter().filter_map(|&i| self.mesh.positions().get(i as usize)).for_each(prefetch);
+        for &id in ahead(VERTICES) {
+            prefetch_vertices(self.mesh, id as usize);
         }
     }
 

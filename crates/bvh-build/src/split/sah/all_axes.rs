@@ -1,7 +1,7 @@
 //! Buckets along all three axes at once.
 
 use geometry::Axis;
-use geometry::glam::Vec3A;
+use geometry::glam::{BVec3A, Mat3A, Vec3A};
 
 use super::{Boundary, Limit};
 use crate::parallel;
@@ -29,8 +29,7 @@ pub(super) fn split(
         !is_behind
     };
     let middle = partition(prims, is_first, progress)?;
-    let extents = [0, 1].map(|side| Extent { bounds: plane.bounds[side], centroids2: centroids2[side] });
-    Ok(Some(Split { axis: plane.axis, middle, extents }))
+    Ok(Some(Split { axis: plane.axis, middle, extents: plane.extents(centroids2) }))
 }
 
 /// Where primitives are divided.
@@ -41,16 +40,47 @@ pub(crate) struct Plane {
     pub(crate) middle: usize,
     /// The bounds of those before it, and of those behind.
     pub(crate) bounds: [Bounds3A; 2],
-    grid: Grid,
-    /// The number of the first bucket behind it, and on the other axes infinity.
-    first_behind: Vec3A,
+    /// The grid on this axis.
+    low: f32,
+    scale: f32,
+    /// The number of the first bucket behind it, with 2²³ added.
+    first_behind: f32,
 }
 
 impl Plane {
     /// Whether the bucket of a primitive with this centroid, doubled, is behind the plane.
     #[inline]
     pub(crate) fn is_behind(&self, centroid2: Vec3A) -> bool {
-        self.grid.rounded(centroid2).cmpge(self.first_behind).any()
+        // To bring the bucket into the interval would change nothing.
+        (centroid2[self.axis.index()] - self.low) * self.scale - 0.5 + ROUNDING >= self.first_behind
+    }
+
+    /// What the sides take up, with these bounds of the centroids, doubled.
+    pub(crate) fn extents(&self, centroids2: [Bounds3A; 2]) -> [Extent; 2] {
+        [0, 1].map(|side| Extent { bounds: self.bounds[side], centroids2: centroids2[side] })
+    }
+
+    /// The same question, where the plane is on this axis.
+    pub(crate) fn sides<const AXIS: usize>(&self) -> Sides<AXIS> {
+        let [low, scale, first_behind] = [self.low, self.scale, self.first_behind].map(Vec3A::splat);
+        Sides { low, scale, first_behind }
+    }
+}
+
+/// Which side of a plane on one axis primitives are on.
+#[derive(Clone, Copy)]
+pub(crate) struct Sides<const AXIS: usize> {
+    low: Vec3A,
+    scale: Vec3A,
+    first_behind: Vec3A,
+}
+
+impl<const AXIS: usize> Sides<AXIS> {
+    /// As [`Plane::is_behind`], in all lanes.
+    #[inline(always)]
+    pub(crate) fn is_behind(self, centroid2: Vec3A) -> BVec3A {
+        let place = (Vec3A::splat(centroid2.to_array()[AXIS]) - self.low) * self.scale - Vec3A::splat(0.5);
+        (place + Vec3A::splat(ROUNDING)).cmpge(self.first_behind)
     }
 }
 
@@ -83,20 +113,24 @@ fn cheapest_of<const CAPACITY: usize>(
     let grid = Grid::new(extent, count);
     let mut buckets = Buckets::<CAPACITY>::EMPTY;
     buckets.add(prims, grid, progress)?;
-    let (axis, boundary) = buckets.cheapest_boundary(count as usize);
+    let (axis, boundary) = buckets.cheapest_boundary(count as usize, &extent.bounds);
     Ok(limit.is_above(boundary.weight).then(|| {
-        let (counts, bounds) = (&buckets.counts[axis.index()], &buckets.bounds[axis.index()]);
-        let (a, b) = bounds.split_at(boundary.place);
-        let mut first_behind = Vec3A::INFINITY;
-        first_behind[axis.index()] = ROUNDING + boundary.place as f32;
+        let (a, b) = buckets.bounds[axis.index()][..count as usize].split_at(boundary.place);
         Plane {
             axis,
-            middle: counts[..boundary.place].iter().sum::<u32>() as usize,
+            middle: buckets.counts[..boundary.place].iter().map(|counts| counts[axis.index()]).sum::<u32>() as usize,
             bounds: [a, b].map(|side| side.iter().fold(Bounds3A::EMPTY, |all, b| all.union(b))),
-            grid,
-            first_behind,
+            low: grid.low[axis.index()],
+            scale: grid.scale[axis.index()],
+            first_behind: ROUNDING + boundary.place as f32,
         }
     }))
+}
+
+/// The power of two that brings the largest component into [1, 2), or as far towards it as one power can.
+fn unit_scale(extent: Vec3A) -> f32 {
+    let exponent = extent.max_element().to_bits() >> 23;
+    f32::from_bits((254 - exponent.clamp(1, 253)) << 23)
 }
 
 /// Adding 2²³ rounds to the nearest whole number and leaves it in the lowest bits: conversion with all its cases is
@@ -105,14 +139,14 @@ const ROUNDING: f32 = 8_388_608.0;
 
 /// Assigns primitives to buckets by their centroids, on each axis.
 #[derive(Clone, Copy)]
-pub(super) struct Grid {
+pub(crate) struct Grid {
     low: Vec3A,
     scale: Vec3A,
     last: Vec3A,
 }
 
 impl Grid {
-    pub(super) fn new(extent: &Extent, count: u32) -> Self {
+    pub(crate) fn new(extent: &Extent, count: u32) -> Self {
         let low = extent.centroids2.min;
         let scale = Vec3A::splat(count as f32) / (extent.centroids2.max - low);
         Self { low, scale, last: Vec3A::splat((count - 1) as f32) }
@@ -122,7 +156,7 @@ impl Grid {
     /// numbers are nearest to them when half is taken off. On an axis without an interval, 0 · ∞ is NaN, of which the
     /// maximum with 0 is 0.
     #[inline]
-    pub(super) fn buckets<const CAPACITY: usize>(self, centroid2: Vec3A) -> [usize; 3] {
+    pub(crate) fn buckets<const CAPACITY: usize>(self, centroid2: Vec3A) -> [usize; 3] {
         self.rounded(centroid2).to_array().map(|c| c.to_bits() as usize % CAPACITY)
     }
 
@@ -135,68 +169,119 @@ impl Grid {
 }
 
 /// How many primitives have their centroids in each bucket, and their bounds.
-struct Buckets<const CAPACITY: usize> {
-    counts: [[u32; CAPACITY]; 3],
+pub(crate) struct Buckets<const CAPACITY: usize> {
+    /// Of the buckets with one number those on each axis.
+    counts: [[u32; 4]; CAPACITY],
     bounds: [[Bounds3A; CAPACITY]; 3],
 }
 
 impl<const CAPACITY: usize> Buckets<CAPACITY> {
-    const EMPTY: Self = Self { counts: [[0; CAPACITY]; 3], bounds: [[Bounds3A::EMPTY; CAPACITY]; 3] };
+    pub(crate) const EMPTY: Self = Self { counts: [[0; 4]; CAPACITY], bounds: [[Bounds3A::EMPTY; CAPACITY]; 3] };
 
     fn add(&mut self, prims: &[PrimInfo], grid: Grid, progress: &ProgressReporter) -> Result<(), Cancelled> {
+        let (a, b) = prims.split_at(prims.len() / 2);
         if prims.len() > parallel::SEQUENTIAL {
-            let (a, b) = prims.split_at(prims.len() / 2);
             progress.check()?;
             let mut other = Self::EMPTY;
             parallel::try_join(|| self.add(a, grid, progress), || other.add(b, grid, progress))?;
             self.unite(&other);
             return Ok(());
         }
-        for p in prims {
-            let bounds = p.bounds();
-            let [x, y, z] = grid.buckets::<CAPACITY>(bounds.min + bounds.max);
-            // All is read before anything is written: the processor need not find out that the axes are apart.
-            let old = [self.bounds[0][x], self.bounds[1][y], self.bounds[2][z]];
-            let [a, b, c] = old.map(|old| old.union(&bounds));
-            (self.bounds[0][x], self.bounds[1][y], self.bounds[2][z]) = (a, b, c);
-            self.counts[0][x] += 1;
-            self.counts[1][y] += 1;
-            self.counts[2][z] += 1;
-        }
+        // Rejected: the halves in turns, or each in buckets of its own, so that no primitive waits for its neighbour in
+        // the same bucket. Neither is faster; nor is AVX2 (x86-64-v3) by more than 0.04 of the build.
+        prims.iter().for_each(|p| self.add_one(p, grid));
         Ok(())
     }
 
+    #[inline(always)]
+    fn add_one(&mut self, p: &PrimInfo, grid: Grid) {
+        let bounds = p.bounds();
+        let [x, y, z] = grid.buckets::<CAPACITY>(bounds.min + bounds.max);
+        // All is read before anything is written: the processor need not find out that the axes are apart.
+        let old = [self.bounds[0][x], self.bounds[1][y], self.bounds[2][z]];
+        let [a, b, c] = old.map(|old| old.union(&bounds));
+        (self.bounds[0][x], self.bounds[1][y], self.bounds[2][z]) = (a, b, c);
+        self.counts[x][0] += 1;
+        self.counts[y][1] += 1;
+        self.counts[z][2] += 1;
+    }
+
+    /// Adds `count` primitives that are in the same bucket on each axis.
+    pub(crate) fn add_many(&mut self, at: [usize; 3], count: u32, bounds: &Bounds3A) {
+        for (axis, i) in at.into_iter().enumerate() {
+            self.counts[i][axis] += count;
+            self.bounds[axis][i] = self.bounds[axis][i].union(bounds);
+        }
+    }
+
     fn unite(&mut self, other: &Self) {
+        for (counts, other) in self.counts.iter_mut().zip(&other.counts) {
+            for (count, other) in counts.iter_mut().zip(other) {
+                *count += other;
+            }
+        }
         for axis in 0..3 {
             for i in 0..CAPACITY {
-                self.counts[axis][i] += other.counts[axis][i];
                 self.bounds[axis][i] = self.bounds[axis][i].union(&other.bounds[axis][i]);
             }
         }
     }
 
     /// The boundary of least weight between the first `count` buckets of any axis; [`Boundary::place`] counts buckets.
-    fn cheapest_boundary(&self, count: usize) -> (Axis, Boundary) {
-        let mut best = (Axis::X, Boundary::NONE);
-        for ((axis, counts), bounds) in Axis::ALL.into_iter().zip(&self.counts).zip(&self.bounds) {
-            // The weight of all from each bucket on in one sweep back, and of all before it in another one forth.
-            let mut behind = [0.0; CAPACITY];
-            let (mut n, mut side) = (0, Bounds3A::EMPTY);
-            for i in (1..count).rev() {
-                n += counts[i];
-                side = side.union(&bounds[i]);
-                behind[i] = if n == 0 { f64::INFINITY } else { f64::from(n) * side.surface_area() };
-            }
-            let (mut n, mut side) = (0, Bounds3A::EMPTY);
-            for place in 1..count {
-                n += counts[place - 1];
-                side = side.union(&bounds[place - 1]);
-                let weight = f64::from(n) * side.surface_area() + behind[place];
-                if n > 0 && weight < best.1.weight {
-                    best = (axis, Boundary { place, weight });
-                }
-            }
+    ///
+    /// All axes at once, one in each lane, and in f32: bounds are multiplied by a power of two that brings those of `all` to about
+    /// 1, so that no product overflows.
+    /// Where one side has no primitives its area is infinite, and the weight NaN, which is less than nothing.
+    pub(crate) fn cheapest_boundary(&self, count: usize, all: &Bounds3A) -> (Axis, Boundary) {
+        let scale = unit_scale(all.diagonal());
+        // The weight of all from each bucket on in one sweep back, and of all before it in another one forth.
+        let mut behind = [Vec3A::ZERO; CAPACITY];
+        let mut sides = Halves::EMPTY;
+        for i in (1..count).rev() {
+            sides.add(self, i);
+            behind[i] = sides.weights(scale);
         }
-        best
+        let mut least = Vec3A::INFINITY;
+        let mut place = Vec3A::ZERO;
+        let mut sides = Halves::EMPTY;
+        for (i, behind) in behind.iter().enumerate().take(count).skip(1) {
+            sides.add(self, i - 1);
+            let weights = sides.weights(scale) + *behind;
+            let is_less = weights.cmplt(least);
+            least = Vec3A::select(is_less, weights, least);
+            place = Vec3A::select(is_less, Vec3A::splat(i as f32), place);
+        }
+        let axis = Axis::ALL
+            .into_iter()
+            .fold(Axis::X, |best, axis| if least[axis.index()] < least[best.index()] { axis } else { best });
+        let weight = 2.0 * f64::from(least[axis.index()]) / f64::from(scale).powi(2);
+        (axis, Boundary { place: place[axis.index()] as usize, weight })
+    }
+}
+
+/// What lies on one side of a boundary on each axis.
+struct Halves {
+    counts: Vec3A,
+    bounds: [Bounds3A; 3],
+}
+
+impl Halves {
+    const EMPTY: Self = Self { counts: Vec3A::ZERO, bounds: [Bounds3A::EMPTY; 3] };
+
+    #[inline(always)]
+    fn add<const CAPACITY: usize>(&mut self, buckets: &Buckets<CAPACITY>, i: usize) {
+        let [x, y, z, _] = buckets.counts[i].map(|count| count as i32 as f32);
+        self.counts += Vec3A::new(x, y, z);
+        for (side, bounds) in self.bounds.iter_mut().zip(&buckets.bounds) {
+            *side = side.union(&bounds[i]);
+        }
+    }
+
+    /// Count times half of the area.
+    #[inline(always)]
+    fn weights(&self, scale: f32) -> Vec3A {
+        let [x, y, z] = [0, 1, 2].map(|axis| self.bounds[axis].diagonal() * scale);
+        let Mat3A { x_axis: x, y_axis: y, z_axis: z } = Mat3A::from_cols(x, y, z).transpose();
+        self.counts * (x * y + y * z + z * x)
     }
 }
