@@ -90,7 +90,7 @@ pub enum SplitMethodName {
     EqualCounts,
     /// A preset: the fastest builds, by HLBVH
     Fastest,
-    /// A preset: HLBVH, and a pass of reinsertion
+    /// A preset: SAH over 16 buckets, with leaves of up to eight
     Fast,
     /// A preset: SAH over more buckets, on all axes
     Balanced,

@@ -65,7 +65,7 @@ impl BuildObserver for Impatient {
 
 fn all_configs() -> Vec<(&'static str, BuildConfig)> {
     let mut all = configs();
-    all.push(("fast", BuildConfig::fast()));
+    all.push(("reinsertion", BuildConfig::fastest().with_reinsertion(Some(Reinsertion::new(1, 0.05)))));
     all.push((
         "spatial splits",
         BuildConfig::new(SplitMethod::Sah).with_spatial_splits(Some(SpatialSplits::default())),
