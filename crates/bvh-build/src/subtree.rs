@@ -43,7 +43,7 @@ pub(crate) enum Step<P> {
 
 /// A step of a large part.
 enum Divided<P> {
-    Leaf(Subtree),
+    Whole(Subtree),
     Interior(Axis, Box<P>, Box<P>),
 }
 
@@ -69,35 +69,47 @@ impl Subtree {
         Self::grow_boxed(Box::new(part), depth, progress)
     }
 
-    /// The same. A tree may be deep, and a worker's stack small: parts are not on it.
-    fn grow_boxed<P: Part>(part: Box<P>, depth: u32, progress: &ProgressReporter) -> Result<Self, Cancelled> {
-        if part.len() <= SEQUENTIAL {
-            return Self::grow_block(part, depth, progress);
-        }
-        let part = match part.grow_many(depth)? {
-            Ok(subtree) => return Ok(subtree),
-            Err(part) => part,
-        };
-        match Self::divide(part, depth, progress)? {
-            Divided::Leaf(leaf) => Ok(leaf),
-            Divided::Interior(axis, a, b) => {
-                let (a, b) = join(
-                    move || Self::grow_boxed(a, depth + 1, progress),
-                    move || Self::grow_boxed(b, depth + 1, progress),
-                );
-                Ok(Self::interior(axis, a?, b?))
+    /// The same. A tree may be deep, and a worker's stack small: parts are not on it, and where one of two is small, the
+    /// other is not grown by a call.
+    fn grow_boxed<P: Part>(mut part: Box<P>, mut depth: u32, progress: &ProgressReporter) -> Result<Self, Cancelled> {
+        let mut beside = Vec::new();
+        let mut subtree = loop {
+            let (axis, a, b) = match Self::divide(part, depth, progress)? {
+                Divided::Whole(subtree) => break subtree,
+                Divided::Interior(axis, a, b) => (axis, a, b),
+            };
+            depth += 1;
+            let is_first = a.len() <= SEQUENTIAL;
+            if !is_first && b.len() > SEQUENTIAL {
+                let (a, b) =
+                    join(move || Self::grow_boxed(a, depth, progress), move || Self::grow_boxed(b, depth, progress));
+                break Self::interior(axis, a?, b?);
             }
+            let (small, other) = if is_first { (a, b) } else { (b, a) };
+            beside.push((axis, is_first, Self::grow_block(small, depth, progress)?));
+            part = other;
+        };
+        for (axis, is_first, small) in beside.into_iter().rev() {
+            let (a, b) = if is_first { (small, subtree) } else { (subtree, small) };
+            subtree = Self::interior(axis, a, b);
         }
+        Ok(subtree)
     }
 
     #[inline(never)] // For the same reason.
-    #[expect(clippy::boxed_local, reason = "not on the stack of the caller")]
     fn divide<P: Part>(part: Box<P>, depth: u32, progress: &ProgressReporter) -> Result<Divided<P>, Cancelled> {
+        if part.len() <= SEQUENTIAL {
+            return Self::grow_block(part, depth, progress).map(Divided::Whole);
+        }
+        let part = match part.grow_many(depth)? {
+            Ok(subtree) => return Ok(Divided::Whole(subtree)),
+            Err(part) => part,
+        };
         let (first, count) = (part.first(), part.len());
         Ok(match part.split(depth)? {
             Step::Leaf(bounds) => {
                 progress.update(count)?;
-                Divided::Leaf(Self::Block { nodes: vec![leaf(bounds, first, count)], height: 1 })
+                Divided::Whole(Self::Block { nodes: vec![leaf(bounds, first, count)], height: 1 })
             }
             Step::Interior(axis, a, b) => Divided::Interior(axis, Box::new(a), Box::new(b)),
         })
