@@ -1,4 +1,4 @@
-//! The closest hit of a ray on a mesh file: `cargo run -p examples --example closest_hit -- bunny.obj`.
+//! The closest hit of a ray on a mesh file: `cargo run --release -p examples --example closest_hit -- bunny.obj`.
 
 use std::error::Error;
 
@@ -11,7 +11,7 @@ fn read(path: &str) -> Result<TriangleMesh, Box<dyn Error>> {
     for line in std::fs::read_to_string(path)?.lines() {
         let mut words = line.split_whitespace();
         match words.next() {
-            Some("v") => positions.push(words.map(str::parse).collect::<Result<Vec<_>, _>>()?[..].try_into()?),
+            Some("v") => positions.push(words.take(3).map(str::parse).collect::<Result<Vec<_>, _>>()?[..].try_into()?),
             Some("f") => {
                 let indices: Vec<u32> =
                     words.map(|w| w.split('/').next().unwrap_or(w).parse()).collect::<Result<_, _>>()?;
@@ -27,7 +27,8 @@ fn read(path: &str) -> Result<TriangleMesh, Box<dyn Error>> {
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let path = std::env::args().nth(1).unwrap_or_else(|| "tests/golden/mesh.obj".to_owned());
+    let default = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/golden/mesh.obj");
+    let path = std::env::args().nth(1).unwrap_or_else(|| default.to_owned());
     let mesh = WideMesh::build(read(&path)?, &BuildConfig::balanced())?;
     println!("{} triangles, {} bytes of tree", mesh.mesh().len(), mesh.memory());
 

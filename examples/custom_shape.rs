@@ -18,7 +18,7 @@ impl Shape for Torus {
         Bounds3::new([-1.25, -0.25, -1.25], [1.25, 0.25, 1.25])
     }
 
-    // Sphere tracing from the box on, all the way in and out: where the sides change depends on the ray alone, as it must.
+    // Sphere tracing from the box on, in and out: where the sides change depends on the ray alone, as it must.
     fn visit_hits(&self, ray: &TraversalRay, interval: Interval, visitor: &mut dyn HitVisitor) -> Visit {
         let mut t = ray.enter(&self.object_bound(), Interval::FULL).map_or(f64::INFINITY, f64::from);
         let away = |t: f64| distance(ray.origin64() + t * ray.direction64());

@@ -35,8 +35,8 @@ fn square(y: f32) -> Result<GeometricPrimitive<WideMesh>, Box<dyn Error>> {
 fn main() -> Result<(), Box<dyn Error>> {
     let members = [0.0, 4.0, 2.0, 3.0].into_iter().map(square).collect::<Result<_, _>>()?;
     let world = World::build(members, &BuildConfig::balanced())?;
-    // Through the leaf's hole, onto the leaf, and from below it.
-    for [x, y] in [[0.1, 2.5], [0.8, 2.5], [-0.9, 1.5]] {
+    // Onto the glow, through the leaf's hole, onto the leaf, and from below it.
+    for [x, y] in [[0.1, 3.5], [0.1, 2.5], [0.8, 2.5], [-0.9, 1.5]] {
         let ray = TraversalRay::new(&Ray::new([x, y, 0.0], [0.0, -1.0, 0.0])).ok_or("the ray has no direction")?;
         let mut seen = ClosestHit::among(Interval::FULL, |hit| is_met(&world, CAMERA, hit));
         let _ = world.visit_hits(&ray, Interval::FULL, HitKind::Material, &mut seen);

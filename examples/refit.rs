@@ -1,6 +1,7 @@
 //! A mesh that deforms: the tree is refitted from frame to frame, and built anew where that has made it too bad.
 
 use std::error::Error;
+use std::sync::Arc;
 
 use bvh_flat::geometry::{Interval, Ray, Shape, TraversalRay, TriangleMesh};
 use bvh_flat::{BuildConfig, WideMesh};
@@ -28,13 +29,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut tree = WideMesh::build(sheet.clone(), &config)?;
     let mut cost = 1.0;
     for frame in 1..=10 {
-        let moved = sheet.clone().with_positions(positions(frame as f32 / 10.0))?;
+        let moved = Arc::new(sheet.clone().with_positions(positions(frame as f32 / 10.0))?);
         // As a part of the cost before this step: all steps since the last build are multiplied.
-        cost *= tree.refit(moved.clone())?;
+        cost *= tree.refit(Arc::clone(&moved))?;
         let is_bad = cost > 2.0;
         println!("frame {frame}: rays cost {cost:.2} times as much as after the last build");
         if is_bad {
-            (tree, cost) = (WideMesh::build(moved.clone(), &config)?, 1.0);
+            (tree, cost) = (WideMesh::build(Arc::clone(&moved), &config)?, 1.0);
             println!("          built anew");
         }
         // Whichever it is, it answers as a new one.

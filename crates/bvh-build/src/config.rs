@@ -43,10 +43,12 @@ pub enum SplitAxes {
     /// Along the one on which the centroids are spread most, as in pbrt. The fastest.
     #[default]
     Dominant,
-    /// Along all three, over no more buckets than half the primitives of a node, but eight; in nodes of no more
-    /// primitives than [`full_sweep`](BuildConfig::full_sweep) over all boundaries between two centroids. Nodes of many
-    /// primitives are divided between the cells of a grid, by the same heuristic, as long as they span three cells for
-    /// sixteen buckets.
+    /// Along all three, over at most half as many buckets as the node has primitives, and at least eight (or
+    /// [`buckets`](BuildConfig::buckets), where these are fewer); in nodes of no more primitives than
+    /// [`full_sweep`](BuildConfig::full_sweep) over all boundaries between two centroids. Nodes of 2048 primitives and
+    /// more are gathered in the cells of a grid; they and what is below are divided between cells, by the same
+    /// heuristic, as long as they have 512 primitives and span, on some axis, at least 3/16 as many cells as there are
+    /// buckets.
     All,
 }
 

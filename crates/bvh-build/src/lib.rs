@@ -42,10 +42,10 @@
 //! cuts primitives, which are then in several leaves (Stich, Friedrich and Dietrich 2009; [`build_split`]).
 //!
 //! ```
-//! use bvh_build::geometry::{Bounds3, glam::Vec3};
+//! use bvh_build::geometry::Bounds3;
 //! use bvh_build::{BuildConfig, NodeKind, SplitMethod, build};
 //!
-//! let unit = |x: f32| Bounds3::new(Vec3::new(x, 0.0, 0.0), Vec3::new(x + 1.0, 1.0, 1.0));
+//! let unit = |x: f32| Bounds3::new([x, 0.0, 0.0], [x + 1.0, 1.0, 1.0]);
 //! let config = BuildConfig::new(SplitMethod::EqualCounts).with_max_primitives_in_leaf(2);
 //! let tree = build(&[unit(8.0), unit(0.0), unit(9.0), Bounds3::EMPTY], &config)?;
 //!

@@ -13,7 +13,7 @@ use crate::{FlatBvh, LinearBvhNode};
 #[non_exhaustive]
 pub enum RefitError {
     /// There are more primitives than before, or fewer.
-    #[error("the tree was built over {expected} primitives, not over {found}")]
+    #[error("the tree was built over {expected} primitives, not over {found}; build a tree anew")]
     Count {
         /// How many the tree was built over.
         expected: usize,

@@ -5,7 +5,7 @@ use thiserror::Error;
 
 use crate::{FlatBvh, LinearBvhNode, MAX_DEPTH};
 
-/// Why arrays are no tree.
+/// Why arrays are no tree: they were damaged, or nothing of this library made them. A new build is the cure.
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum InvalidBvh {
@@ -49,7 +49,7 @@ pub enum InvalidBvh {
     },
     /// A primitive that does not exist, or stands in the order once more than it may.
     #[error(
-        "place {place} of the order: primitive {primitive} of {primitive_count} does not exist or stands there too often"
+        "place {place} of the order: primitive {primitive} of {primitive_count} does not exist or is there too often"
     )]
     Order {
         /// The place.
@@ -72,7 +72,7 @@ pub enum InvalidBvh {
         primitive_count: usize,
     },
     /// A path longer than [`MAX_DEPTH`].
-    #[error("node {node} lies deeper than {MAX_DEPTH} nodes")]
+    #[error("node {node} lies deeper than {MAX_DEPTH} nodes; `FlatBvh::build` makes no such tree")]
     TooDeep {
         /// The node.
         node: usize,

@@ -105,14 +105,15 @@ impl Bounds3 {
 
     /// Where `p` lies relative to the corners: 0 at `min`, 1 at `max`, beyond these outside of the box. 0 on an axis
     /// without extent; NaN elsewhere where `p` is.
-    pub fn offset(&self, p: Vec3) -> Vec3 {
+    pub fn offset(&self, p: impl Into<Vec3>) -> Vec3 {
         let d = self.diagonal();
-        let o = p - self.min;
+        let o = p.into() - self.min;
         Vec3::from_array([0, 1, 2].map(|i| if d[i] > 0.0 { o[i] / d[i] } else { 0.0 }))
     }
 
     /// Whether `p` lies in the closed box.
-    pub fn contains_point(&self, p: Vec3) -> bool {
+    pub fn contains_point(&self, p: impl Into<Vec3>) -> bool {
+        let p = p.into();
         p.cmpge(self.min).all() && p.cmple(self.max).all()
     }
 

@@ -178,11 +178,10 @@ impl<F: FnMut(&Hit) -> bool> FirstHit<F> {
     /// alone.
     ///
     /// ```
-    /// use geometry::glam::Vec3;
     /// use geometry::{FirstHit, Hit, Interval, Ray, Shape, TraversalRay, TriangleMesh};
     ///
     /// // Two leaves of one triangle each. The first is cut out where u > ½.
-    /// let leaf = |z| [[0.0, 0.0, z], [1.0, 0.0, z], [0.0, 1.0, z]].map(Vec3::from);
+    /// let leaf = |z| [[0.0, 0.0, z], [1.0, 0.0, z], [0.0, 1.0, z]];
     /// let leaves = TriangleMesh::new([leaf(0.0), leaf(1.0)].concat(), vec![[0, 1, 2], [3, 4, 5]])?;
     /// let is_opaque = |hit: &Hit| hit.primitive != 0 || hit.u <= 0.5;
     ///

@@ -7,10 +7,12 @@ use crate::{Bounds3, Interval, TraversalRay, TriangleHit, intersect_triangle, na
 /// A box test and a triangle test: what traversal is compiled for. [`Watertight`] is the default everywhere; the others
 /// exist to show what they lose.
 pub trait Kernels: Clone + Copy + Send + Sync + 'static {
-    /// Where the ray enters the box within the interval, or `None` where it passes by.
+    /// Where the ray enters the box within the interval, or `None` where it passes by. The box is
+    /// [valid](Bounds3::is_valid): finite and within [`MAX_COORDINATE`](crate::MAX_COORDINATE).
     fn enter(ray: &TraversalRay, bounds: &Bounds3, interval: Interval) -> Option<f32>;
 
-    /// Where the ray meets the triangle within the interval.
+    /// Where the ray meets the triangle within the interval. The vertices are finite and within
+    /// [`MAX_COORDINATE`](crate::MAX_COORDINATE).
     fn intersect_triangle(ray: &TraversalRay, vertices: &[Vec3; 3], interval: Interval) -> Option<TriangleHit>;
 }
 

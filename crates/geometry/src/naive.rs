@@ -5,8 +5,8 @@ use glam::Vec3;
 
 use crate::{Bounds3, Interval, TraversalRay, TriangleHit};
 
-/// The slab test without padding: a ray through an edge or a corner of the box may miss it. (numerics: 2.4 % of rays
-/// aimed at vertices are lost behind it.)
+/// The slab test without padding: a ray through an edge or a corner of the box may miss it. (2.4 % of rays aimed
+/// at vertices are lost behind it.)
 ///
 /// Kay and Kajiya 1986, *Ray Tracing Complex Scenes*. A zero component gives ±∞ or NaN; NaN bounds nothing here, where
 /// others lose the box.

@@ -26,7 +26,8 @@ pub trait Shape: Send + Sync {
         1
     }
 
-    /// Tells `visitor` of every hit with `t_min < t < t_max`, in no particular order. The visitor's answer lowers
+    /// Tells `visitor` of every hit with `t_min < t < t_max`, in no particular order; of none where the interval is
+    /// empty. The `t` of hits are never NaN, and count in lengths of the ray's direction. The visitor's answer lowers
     /// `t_max` for the rest, or ends the visit; the last answer is returned, `Continue(t_max)` if there was none.
     fn visit_hits(&self, ray: &TraversalRay, interval: Interval, visitor: &mut dyn HitVisitor) -> Visit;
 
@@ -44,7 +45,8 @@ pub trait Shape: Send + Sync {
         self.visit_hits(ray, interval, &mut FirstHit::default()).is_break()
     }
 
-    /// The surface at a hit that this shape reported for this very ray.
+    /// The surface at a hit that this shape reported for this very ray. Of any other hit nothing is promised: a
+    /// `primitive` that does not exist may end in a panic.
     fn surface_point(&self, ray: &TraversalRay, hit: &Hit) -> SurfacePoint;
 }
 

@@ -28,10 +28,10 @@ pub struct TriangleHit {
 /// index, and a closed mesh has no leak. An edge function of zero is inside, for both neighbours. There is no epsilon.
 /// A triangle that the sheared ray sees edge-on has no inside and is not hit; its neighbours are.
 ///
-/// *Values.* `t`, `u` and `v` are evaluated in f64 for the accepted triangle alone, and rounded to f32 once. `t` is that of
-/// the triangle's plane, kept between the depths of its vertices, hence never beyond the triangle; and not below the
-/// entry into the triangle's own box: with that, the closest of many triangles is the same for every tree over them. A
-/// triangle whose box the padded box test misses is not hit.
+/// *Values.* `t`, `u` and `v` are evaluated in f64 for the accepted triangle alone, and rounded to f32 once. `t` is
+/// that of the triangle's plane, kept between the depths of its vertices, hence never beyond the triangle; and not
+/// below the entry into the triangle's own box: with that, the closest of many triangles is the same for every tree
+/// over them. A triangle whose box the padded box test misses is not hit.
 ///
 /// Total: non-finite vertices are not hit; no NaN comes out.
 #[inline]

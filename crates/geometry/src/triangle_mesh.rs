@@ -68,7 +68,8 @@ impl TriangleMesh {
     /// # use geometry::TriangleMesh;
     /// let positions: Vec<f32> = vec![0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
     /// let indices: Vec<u32> = vec![0, 1, 2];
-    /// let mesh = TriangleMesh::new(positions.as_chunks().0.iter().copied::<[f32; 3]>(), indices.as_chunks().0.to_vec())?;
+    /// let corners = positions.as_chunks::<3>().0.iter().copied();
+    /// let mesh = TriangleMesh::new(corners, indices.as_chunks().0.to_vec())?;
     /// # assert_eq!((mesh.len(), mesh.positions().len()), (1, 3));
     /// # Ok::<(), geometry::MeshError>(())
     /// ```

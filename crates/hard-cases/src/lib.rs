@@ -34,7 +34,7 @@ pub use triangles::findings::{Distribution, Findings, Quantity};
 pub enum Effort {
     /// At most about a second a case on one core: for every run of the tests.
     Quick,
-    /// The sizes of the study: minutes to hours.
+    /// Full size: minutes to hours.
     Full,
 }
 

@@ -1,6 +1,6 @@
-//! R: rays that leave a surface where another ray met it. Cases of the study of accuracy, under its numbers.
+//! R: rays that leave a surface where another ray met it.
 //!
-//! Metric M6 for all of them: no spawned ray hits a triangle that does not lie ahead of the exact hit point (acne), the
+//! What all of them demand: no spawned ray hits a triangle that does not lie ahead of the exact hit point (acne), the
 //! new origin is at most 4 ulp from there (99 %); surfaces that it jumped over, and others that it meets edge-on
 //! further away, are counted.
 

@@ -1,7 +1,7 @@
-//! T: triangles. The cases of the study of accuracy, under its numbers, and real scenes from T31 on.
+//! T: triangles, and real scenes from T31 on.
 //!
 //! Of an exact subject nothing is excused. The allowance of the watertight tier: where a ray passes within 32 u of an
-//! edge, a triangle may be hit or missed against the exact answer (metric M1), which is counted and not a failure; a
+//! edge, a triangle may be hit or missed against the exact answer, which is counted and not a failure; a
 //! closed mesh never leaks.
 
 mod closed;

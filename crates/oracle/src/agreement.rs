@@ -5,7 +5,7 @@ use geometry::glam::DVec3;
 use crate::oracle::Closest;
 use crate::real::ExactReal;
 
-/// What a claimed closest hit is worth (metric M1 of the study of accuracy).
+/// What a claimed closest hit is worth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Verdict {
     /// Both miss, or the claimed primitive is among the closest.
@@ -23,8 +23,8 @@ pub enum Verdict {
 pub struct Agreement {
     /// Whether the decision is right.
     pub verdict: Verdict,
-    /// Where both hit, the error of the claimed t in units of the spacing of f32 at the exact t (metric M2), rounded to
-    /// f64; infinite for a t that is not finite.
+    /// Where both hit, the error of the claimed t in units of the spacing of f32 at the exact t, rounded to f64;
+    /// infinite for a t that is not finite.
     pub t_error: Option<f64>,
 }
 
@@ -47,15 +47,14 @@ impl Agreement {
 /// A claimed hit point and its bound beside the exact point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointAgreement {
-    /// Whether `|pᵢ − pᵢ*| <= p_errorᵢ` on every axis, decided exactly (metric M4, soundness).
+    /// Whether `|pᵢ − pᵢ*| <= p_errorᵢ` on every axis, decided exactly.
     pub is_bounded: bool,
-    /// The largest `|pᵢ − pᵢ*|` in units of the spacing of f32 at the largest coordinate of the exact point (metric
-    /// M3).
+    /// The largest `|pᵢ − pᵢ*|` in units of the spacing of f32 at the largest coordinate of the exact point.
     pub error: f64,
     /// The largest `p_errorᵢ` in the same units.
     pub bound: f64,
     /// The largest ratio of `p_errorᵢ` to the error, or to half the spacing of f32 at the coordinate where the error is
-    /// smaller than that (metric M4, tightness).
+    /// smaller than that.
     pub tightness: f64,
 }
 

@@ -59,7 +59,7 @@ pub struct Arguments {
     /// The SIMD widths to traverse wide trees with
     #[arg(long, value_enum, value_delimiter = ',', value_name = "WIDTH")]
     simd_width: Vec<WidthChoice>,
-    /// Whether wide trees are asked ray by ray or many at once
+    /// Whether wide trees are asked ray by ray, many at once, or ray by ray on all threads
     #[arg(long, value_enum, value_delimiter = ',', value_name = "CALLS")]
     calls: Vec<Calls>,
     /// The box test and triangle test in binary trees; all by default, to show what the naive ones lose
@@ -91,7 +91,7 @@ pub struct Arguments {
     /// More rays, larger pictures, nine rounds, whatever they take
     #[arg(long)]
     full: bool,
-    /// Threads that build; rays are always traced by one
+    /// Threads that build, and that trace where calls are parallel; all by default. Other calls trace on one
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     threads: Option<u32>,
     /// Whether pictures are drawn, and the museum is shown

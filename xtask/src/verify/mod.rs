@@ -23,7 +23,7 @@ pub struct Arguments {
     /// A scene to compare with the oracle instead of running the catalogue
     #[arg(long_help = SCENE_HELP, value_parser = SceneSource::parse)]
     scene: Option<SceneSource>,
-    /// Run at the sizes of the study: hours, with a progress bar; with cases B, time builds of hard input too
+    /// Run at full size: hours, with a progress bar; with cases B, time builds of hard input too
     #[arg(long)]
     full: bool,
     /// Run only the cases whose id begins with one of these: T, T01, S2

@@ -21,7 +21,8 @@ impl BuildConfig {
         Self::new(SplitMethod::Hlbvh).with_max_primitives_in_leaf(8)
     }
 
-    /// A better tree in a little more time: [`SplitMethod::Sah`] over 16 buckets on all axes, with leaves of up to eight.
+    /// A better tree in a little more time: [`SplitMethod::Sah`] over 16 buckets on all axes, with leaves of up to
+    /// eight.
     ///
     /// Rejected: HLBVH and a pass of reinsertion, which takes longer than [`balanced`](Self::balanced).
     pub const fn fast() -> Self {

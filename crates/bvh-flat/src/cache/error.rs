@@ -57,7 +57,7 @@ pub enum CacheError {
         /// Where.
         section: Section,
     },
-    /// The header's sum is right, but what it says cannot be; or what it is to say does not fit.
+    /// The header's sum is right, but what it says cannot be.
     #[error("the header of the file is not valid: {0}; rebuild the file with this program")]
     Header(&'static str),
     /// More bytes than the file says.

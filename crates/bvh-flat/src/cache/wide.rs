@@ -27,7 +27,8 @@ impl WideMesh {
     /// directory must exist. That the tree was built with these options is the caller's word.
     ///
     /// # Errors
-    /// [`CacheError::Io`]; [`CacheError::OtherLayout`] for options of another layout.
+    /// [`CacheError::Io`]; [`CacheError::OtherLayout`] for options of another layout; [`CacheError::Structure`] in
+    /// place of a file that no loader would take, which no tree of this library makes.
     pub fn save(&self, path: impl AsRef<Path>, options: &TreeOptions) -> Result<(), CacheError> {
         self.save_as(path.as_ref(), options, GeometryKey::of_mesh(self.mesh()))
     }

@@ -53,8 +53,8 @@ impl<const CAPACITY: usize> Stack<CAPACITY> {
 
     /// The entry pushed last among those that the ray enters at `t_max` at the latest.
     ///
-    /// Rejected: to leave out the others as soon as `t_max` changes, eight at a time (primary rays of sponza and kitchen
-    /// 3 and 5 % slower), or once the last one is to be left out (within 1 %).
+    /// Rejected: to leave out the others as soon as `t_max` changes, eight at a time (primary rays of sponza and
+    /// kitchen 3 and 5 % slower), or once the last one is to be left out (within 1 %).
     #[inline(always)]
     pub(crate) fn pop_before(&mut self, t_max: f32) -> Option<Child> {
         while let Some(child) = self.pop() {

@@ -37,15 +37,15 @@ pub(crate) fn is_regular(ray: &TraversalRay) -> bool {
 /// A ray for the box test, in lanes: the reciprocals of its direction, shrunk where it enters a slab and widened where
 /// it leaves, and an origin for each, so that the test never loses a box that the exact ray meets.
 ///
-/// *Regular rays*, nearly all, take plane · r − q in one rounding. With u = 2⁻²⁴, (b − o) / d is the exact parameter of a
-/// plane b; r = (1 ∓ 12u) / d up to 3 roundings, and q = o r moved outward by 4u |q| for its own roundings and that of
-/// an origin which was rounded from f64. So plane · r − q, in real numbers, is at most (b − o) / d where the ray
+/// *Regular rays*, nearly all, take plane · r − q in one rounding. With u = 2⁻²⁴, (b − o) / d is the exact parameter of
+/// a plane b; r = (1 ∓ 12u) / d up to 3 roundings, and q = o r moved outward by 4u |q| for its own roundings and that
+/// of an origin which was rounded from f64. So plane · r − q, in real numbers, is at most (b − o) / d where the ray
 /// enters, if that is not negative, and at least that where it leaves; and rounding is monotone.
 ///
-/// *The others* take (plane − o) · r. A plane that gives NaN, 0 · ∞, has the origin in it and a ray along it, and does not
-/// bound the ray. The reciprocal for entering stays finite, so that it never claims too late an entry. An origin that
-/// was rounded from f64 is moved outward by 4u of itself. So without fused instructions, where the product would be
-/// rounded beside the difference, do all.
+/// *The others* take (plane − o) · r. A plane that gives NaN, 0 · ∞, has the origin in it and a ray along it, and does
+/// not bound the ray. The reciprocal for entering stays finite, so that it never claims too late an entry. An origin
+/// that was rounded from f64 is moved outward by 4u of itself. So without fused instructions, where the product would
+/// be rounded beside the difference, do all.
 #[derive(Clone, Copy)]
 pub(crate) struct BoxLanes<L: Lanes> {
     near: [L::F32; 3],

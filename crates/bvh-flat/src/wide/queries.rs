@@ -140,8 +140,8 @@ struct AtStart {
 impl AtStart {
     const CAPACITY: usize = 4;
 
-    /// Adds lanes of a leaf, if there are any; whether there is room for no more. Without a branch: every leaf comes here,
-    /// and which one the ray has left is hard to foresee.
+    /// Adds lanes of a leaf, if there are any; whether there is room for no more. Without a branch: every leaf comes
+    /// here, and which one the ray has left is hard to foresee.
     #[inline(always)]
     fn push(&mut self, leaf: Child, lanes: u32) -> bool {
         self.leaves[self.len % Self::CAPACITY] = (leaf, lanes);

@@ -39,7 +39,8 @@ impl Enclosure {
     /// With u = 2⁻⁵³ and S = |v₁ − v₀| × |v₂ − v₀|, all terms added, n is wrong by 4u S: a rounding in each difference,
     /// in the product, and in the sum. Then n·p is wrong by 8u S·|p| and n·d by 7u S·|d|, to first order; 10u is for
     /// the rest.
-    /// |N / D − N* / D*| <= (δN + |t| δD) / (|D| − δD), and 1/63 more of it for δD; the quotient and the ends are rounded.
+    /// |N / D − N* / D*| <= (δN + |t| δD) / (|D| − δD), and 1/63 more of it for δD; the quotient and the ends are
+    /// rounded.
     pub(super) fn of_plane(line: &Line, vertices: &[Vec3; 3]) -> Option<Self> {
         let Plane { numerator, denominator, numerator_error, denominator_error } = Plane::new(line, vertices);
         let t = numerator / denominator;

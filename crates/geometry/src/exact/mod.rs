@@ -5,12 +5,12 @@
 //! is the one that real arithmetic takes on the given numbers; so it can depend on no tree, no layout and no width of
 //! registers.
 //!
-//! *Semantics.* An f32 stands for the number it is, and so does each f64 of a ray that was transformed into an instance.
-//! A triangle is closed and has two sides: with pᵢ = vᵢ − o it is hit where its edge functions eᵢ = det[pⱼ, pₖ, d] are
-//! all >= 0 or all <= 0 and D = e₀ + e₁ + e₂ is not zero. So a triangle without area, or one that the ray sees edge-on,
-//! is never hit. t* = det[p₀, p₁, p₂] / D lies in the open interval, both ends compared exactly; an infinite end stands
-//! for `f32::MAX`, beyond which there is no t to report. The closest hit has the least t*, of equal t* the smallest
-//! index.
+//! *Semantics.* An f32 stands for the number it is, and so does each f64 of a ray that was transformed into an
+//! instance. A triangle is closed and has two sides: with pᵢ = vᵢ − o it is hit where its edge functions
+//! eᵢ = det[pⱼ, pₖ, d] are all >= 0 or all <= 0 and D = e₀ + e₁ + e₂ is not zero. So a triangle without area, or one
+//! that the ray sees edge-on, is never hit. t* = det[p₀, p₁, p₂] / D lies in the open interval, both ends compared
+//! exactly; an infinite end stands for `f32::MAX`, beyond which there is no t to report. The closest hit has the least
+//! t*, of equal t* the smallest index.
 //!
 //! *Three tiers* ([`Tier`]), each a refuge of the one before; none needs a fused multiply-add:
 //! 1. edge functions in f64, sheared into the ray's frame, against one error bound for the ray;

@@ -37,8 +37,9 @@ pub fn intersect_triangle_exact(ray: &TraversalRay, vertices: &[Vec3; 3], interv
 }
 
 impl ExactRay {
-    /// Prepares a ray for triangles inside of `bounds`. The bounds only set how often the first tier suffices, not what
-    /// is decided; but triangles outside of them may be decided wrongly.
+    /// Prepares a ray for triangles inside of `bounds`, finite and within [`MAX_COORDINATE`](crate::MAX_COORDINATE).
+    /// The bounds only set how often the first tier suffices, not what is decided; but triangles outside of them may be
+    /// decided wrongly.
     pub fn new(ray: &TraversalRay, bounds: &Bounds3) -> Self {
         let line = Line { origin: ray.origin64(), direction: ray.direction64() };
         let frame = Frame::new(ray);
@@ -52,7 +53,8 @@ impl ExactRay {
         Self { line, frame: Frame::new(ray), edge_error: f64::INFINITY }
     }
 
-    /// The enclosure of t* of a triangle that the ray is known to hit.
+    /// The enclosure of t* of a triangle that the ray is known to hit. The vertices are finite and within
+    /// [`MAX_COORDINATE`](crate::MAX_COORDINATE).
     pub fn enclose(&self, vertices: &[Vec3; 3]) -> Enclosure {
         Enclosure::of_plane(&self.line, vertices).unwrap_or_else(|| Enclosure::exactly(&self.line, vertices))
     }

@@ -32,8 +32,8 @@ pub(super) struct Frame {
 
 /// A triangle in the frame of a ray.
 ///
-/// *Errors*, with u = 2⁻⁵³ and to first order; the factors below leave a quarter and more for the rest, the roundings of
-/// the bounds included. A coordinate x = pₓ d_z − dₓ p_z is wrong by δ <= 2u |pₓ d_z| + 2u |dₓ p_z| + u |x|: one
+/// *Errors*, with u = 2⁻⁵³ and to first order; the factors below leave a quarter and more for the rest, the roundings
+/// of the bounds included. A coordinate x = pₓ d_z − dₓ p_z is wrong by δ <= 2u |pₓ d_z| + 2u |dₓ p_z| + u |x|: one
 /// rounding in each p, one in each product, one in the difference. An edge function e = x_c y_b − y_c x_b is then wrong
 /// by E <= 2δ (X + Y + δ) + 4u X Y, where X and Y bound the coordinates.
 #[derive(Clone, Copy, Debug)]

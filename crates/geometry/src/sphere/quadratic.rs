@@ -72,11 +72,11 @@ impl Quadratic {
 
     /// The equation in f64, and f × d.
     ///
-    /// With u = 2⁻⁵³ and to first order: a component of f is wrong by u of itself, one of f × d by 3u of its size Mᵢ =
-    /// |fⱼ dₖ| + |fₖ dⱼ|. Then a is wrong by 3u a; b by 4u Σ |fᵢ dᵢ|; c by 5u f·f + u r² and u c of its own; |f × d|² by
-    /// 6u Σ |f × d|ᵢ Mᵢ from its components, 9u² Σ Mᵢ² ≤ 18u² (f·f) a of second order, and 3u of its own; a r² by 4u;
-    /// the difference by u of both. The bounds below have at least one u more of everything, for terms of higher order
-    /// and for their own roundings. Underflow adds at most 2⁻¹⁰⁷³ a term; a r² is at least 2⁻⁵⁹⁶.
+    /// With u = 2⁻⁵³ and to first order: a component of f is wrong by u of itself, one of f × d by 3u of its size
+    /// Mᵢ = |fⱼ dₖ| + |fₖ dⱼ|. Then a is wrong by 3u a; b by 4u Σ |fᵢ dᵢ|; c by 5u f·f + u r² and u c of its own;
+    /// |f × d|² by 6u Σ |f × d|ᵢ Mᵢ from its components, 9u² Σ Mᵢ² ≤ 18u² (f·f) a of second order, and 3u of its own;
+    /// a r² by 4u; the difference by u of both. The bounds below have at least one u more of everything, for terms of
+    /// higher order and for their own roundings. Underflow adds at most 2⁻¹⁰⁷³ a term; a r² is at least 2⁻⁵⁹⁶.
     #[inline]
     fn in_f64(sphere: &Sphere, ray: &TraversalRay) -> (Self, DVec3) {
         let (f, d) = (ray.origin64() - sphere.center.as_dvec3(), ray.direction64());

@@ -39,13 +39,15 @@ pub struct Transform {
 #[non_exhaustive]
 pub enum TransformError {
     /// An entry is NaN or infinite.
-    #[error("the matrix has an entry that is not finite")]
+    #[error("the matrix has an entry that is not finite; give finite numbers, and a rotation an axis with a length")]
     NotFinite,
     /// The last row is not (0, 0, 0, 1).
     #[error("the last row of the matrix must be 0 0 0 1 (a projective map is no transform), not {0:?}")]
     NotAffine([f64; 4]),
     /// The map squeezes space flat, or so nearly that f64 cannot undo it.
-    #[error("the matrix is singular: it has a determinant of {determinant} and cannot be inverted")]
+    #[error(
+        "the matrix is singular: it has a determinant of {determinant} and cannot be inverted; it must flatten nothing"
+    )]
     Singular {
         /// The determinant of the linear part.
         determinant: f64,
@@ -176,21 +178,21 @@ impl Transform {
     }
 
     /// Where a point goes, in f64: no term of a coordinate is rounded more than four times. NaN and infinity go on.
-    pub fn point(&self, p: DVec3) -> DVec3 {
-        apply(&self.matrix, p)
+    pub fn point(&self, p: impl Into<DVec3>) -> DVec3 {
+        apply(&self.matrix, p.into())
     }
 
     /// Where a direction goes; its length changes with the scale. As [`point`](Self::point).
-    pub fn vector(&self, v: DVec3) -> DVec3 {
-        apply3(&self.matrix.matrix3, v)
+    pub fn vector(&self, v: impl Into<DVec3>) -> DVec3 {
+        apply3(&self.matrix.matrix3, v.into())
     }
 
     /// Where a normal goes: by the inverse transpose, not normalised.
     ///
     /// A normal keeps to its side: what lay outside the surface lies outside of its image, under a mirroring too. (The
     /// winding of a triangle flips under a mirroring, its outside does not.)
-    pub fn normal(&self, n: DVec3) -> DVec3 {
-        let m = &self.inverse.matrix3;
+    pub fn normal(&self, n: impl Into<DVec3>) -> DVec3 {
+        let (m, n) = (&self.inverse.matrix3, n.into());
         DVec3::new(m.x_axis.dot(n), m.y_axis.dot(n), m.z_axis.dot(n))
     }
 

@@ -77,7 +77,7 @@ pub(super) fn odd_times(run: &Run) -> Outcome {
 }
 
 /// The largest error of a matrix put together again from its decomposition, in units of 2⁻⁵² of each column: far below
-/// the 2 ulp of f32 that the study asks for.
+/// 2 ulp of f32.
 const ENDS: f64 = 16.0;
 
 /// A09: sheared, unevenly scaled and mirrored matrices, decomposed and put together again: a moment (10⁻⁴⁵) from the

@@ -9,7 +9,7 @@ use oracle::{Closest, ExactHit, ExactReal, MeshOracle, Oracle, PointLocation, Ta
 use crate::{AnyShape, Run, Tries};
 
 /// A ray whose distance from an edge is less than this, in the unit of [`edge_distance`], may be decided either way by
-/// a kernel that decides in f32 (metric M1 of the study of accuracy).
+/// a kernel that decides in f32.
 const NEAR_EDGE: f64 = 32.0;
 
 /// A mesh as the subject answers for it, as it answers alone, and as real arithmetic does.

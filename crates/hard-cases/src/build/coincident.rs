@@ -10,7 +10,7 @@ use super::meshes::{concentric, identical, on_ten_points, uniform};
 use super::sweep::{LEAVES, build_work, checked_tree, configs, depth, label, rays_at, sweep, tree_over};
 use crate::{Outcome, Random, Run, Tries};
 
-/// No build may touch more than this many times what it touches of a uniform scene (metric M11).
+/// No build may touch more than this many times what it touches of a uniform scene.
 pub(super) const WORK_RATIO: u64 = 4;
 
 /// B03: many identical triangles tie for every ray; number 0 wins.

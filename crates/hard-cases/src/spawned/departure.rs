@@ -9,7 +9,7 @@ use primitive::SurfaceInteraction;
 
 use crate::triangles::findings::{Findings, Quantity};
 
-/// How far from the exact point a ray may start, in ulp of the largest coordinate (metric M6).
+/// How far from the exact point a ray may start, in ulp of the largest coordinate.
 pub(super) const DETACHMENT: f64 = 4.0;
 
 /// What of a scene is asked: closest hits and their interactions; who knows the exact answers; and the triangles in the
@@ -46,7 +46,7 @@ impl Scenery<'_> {
         Some(Departure { primitive: hit.primitive, p, interaction: (self.interaction)(ray, &hit)?, n })
     }
 
-    /// A trial of metric M6: a ray is spawned towards `direction`; what it hits, the exact half-line from the exact
+    /// A trial: a ray is spawned towards `direction`; what it hits, the exact half-line from the exact
     /// point hits or nearly misses; its origin is on the side to which it goes, or in the plane.
     pub(super) fn depart(&self, from: &Departure, direction: Vec3, findings: &mut Findings) -> Option<Hit> {
         let ray = from.interaction.spawn_ray(direction);

@@ -48,7 +48,7 @@ impl Specimen {
         self.oracle.closest(ray, interval, &mut Tally::default())
     }
 
-    /// A trial of the watertight tier (metric M1): the closest hit is an exact one, or the ray passes within
+    /// A trial of the watertight tier: the closest hit is an exact one, or the ray passes within
     /// `NEAR_EDGE` of an edge of the claimed triangle or of an exact one, or their exact t differ by no more than the
     /// spacing of f32, so that they are a tie; the exceptions are counted. Any hit and closest hit agree. The values of
     /// right hits are judged too. Of an exact subject [strictly](Self::judge_strictly). Returns the claim.
@@ -96,14 +96,14 @@ impl Specimen {
         claim
     }
 
-    /// Metric M7.
+    /// Whether any-hit says the same as closest-hit.
     pub(crate) fn judge_any(&self, ray: &Ray, interval: Interval, claim: Option<Hit>, findings: &mut Findings) {
         let any = TraversalRay::new(ray).is_some_and(|r| self.shape.intersect_p(&r, interval));
         findings
             .check(any == claim.is_some(), || format!("any hit {any}, closest hit {claim:?}: {ray:?} {interval:?}"));
     }
 
-    /// Metrics M2 to M4 for a hit on one of the exact primitives.
+    /// The errors of t and of the point, and the bound on the latter, for a hit on one of the exact primitives.
     pub(crate) fn judge_values(&self, ray: &Ray, hit: &Hit, exact: &Closest, findings: &mut Findings) {
         if !exact.primitives.contains(&hit.primitive) {
             return;
@@ -180,8 +180,8 @@ impl Specimen {
         !self.is_exact && self.passes_near(ray, primitive)
     }
 
-    /// Whether the ray passes an edge of the triangle at less than `NEAR_EDGE` in the unit of metric M1: the distance
-    /// of the edge's line from the ray's, times the sine of their angle, over u and the largest coordinate of a vertex
+    /// Whether the ray passes an edge of the triangle at less than `NEAR_EDGE` in this unit: the distance of the
+    /// edge's line from the ray's, times the sine of their angle, over u and the largest coordinate of a vertex
     /// relative to the origin.
     pub(crate) fn passes_near(&self, ray: &Ray, primitive: u64) -> bool {
         /// In units of half the spacing of f32.

@@ -89,7 +89,7 @@ fn judged(run: &Run, mesh: TriangleMesh, bounds: Bounds3) -> Fallible<Findings> 
     Ok(findings)
 }
 
-/// Metric M4: no hit point is further from the exact one than it says, and what it says is at most two units of f32 at
+/// No hit point is further from the exact one than it says, and what it says is at most two units of f32 at
 /// its largest coordinate. From anywhere around, at the inside of triangles, edges, vertices and box corners.
 fn t40(run: &Run) -> Outcome {
     const FILES: [&str; 8] = [

@@ -212,8 +212,9 @@ fn environment(plan: &Plan, sweeps: &[Sweep], made: u64) -> String {
         let _ = writeln!(text, "<dt>{name}</dt><dd>{}</dd>", escape(&value));
     }
     text + "</dl>\
-            <p class=\"quiet\">Speeds are medians over rounds that each go through all configurations in turn, in time on \
-            the processor of one thread. results.jsonl and results.csv beside this file have all numbers.</p></section>"
+            <p class=\"quiet\">Speeds are medians over rounds that each go through all configurations in turn, in time \
+            on the processor of one thread; of parallel calls, by the clock. results.jsonl and results.csv beside this \
+            file have all numbers.</p></section>"
 }
 
 /// Seconds since 1970 as a day and a time, by Howard Hinnant's days-to-civil algorithm.

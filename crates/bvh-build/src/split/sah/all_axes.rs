@@ -229,9 +229,9 @@ impl<const CAPACITY: usize> Buckets<CAPACITY> {
 
     /// The boundary of least weight between the first `count` buckets of any axis; [`Boundary::place`] counts buckets.
     ///
-    /// All axes at once, one in each lane, and in f32: bounds are multiplied by a power of two that brings those of `all` to about
-    /// 1, so that no product overflows.
-    /// Where one side has no primitives its area is infinite, and the weight NaN, which is less than nothing.
+    /// All axes at once, one in each lane, and in f32: bounds are multiplied by a power of two that brings those of
+    /// `all` to about 1, so that no product overflows. Where one side has no primitives its area is infinite, and the
+    /// weight NaN, which is less than nothing.
     pub(crate) fn cheapest_boundary(&self, count: usize, all: &Bounds3A) -> (Axis, Boundary) {
         let scale = unit_scale(all.diagonal());
         // The weight of all from each bucket on in one sweep back, and of all before it in another one forth.
