@@ -1,23 +1,11 @@
 //! The commands as a person runs them: what they print, what they write, how they end.
 
+mod support;
+
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Command;
 
-fn xtask(arguments: &[&str], directory: &Path) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_xtask")).args(arguments).current_dir(directory).output().expect("xtask starts")
-}
-
-/// The exit code, and what was said.
-fn run(arguments: &[&str], directory: &Path) -> (i32, String) {
-    let output = xtask(arguments, directory);
-    let text = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
-    assert!(!text.contains("panicked"), "{arguments:?}: {text}");
-    (output.status.code().expect("no signal"), text)
-}
-
-fn directory() -> tempfile::TempDir {
-    tempfile::tempdir().expect("a directory for the test")
-}
+use support::{XTASK, directory, run};
 
 /// Two triangles of a square in the plane z = 0.
 fn square(directory: &Path) -> PathBuf {
@@ -297,10 +285,9 @@ fn a_write_that_fails_leaves_the_old_file() {
     let (code, text) = run(&["cache", "build", "square.obj", "--out", "a.bvh"], here);
     assert_eq!(code, 0, "{text}");
     let old = std::fs::read(here.join("a.bvh")).expect("there");
-    let xtask = env!("CARGO_BIN_EXE_xtask");
     let build = "cache build builtin:terrain:20k --out a.bvh";
     for (prepare, is_ended) in [("trap '' XFSZ; ulimit -f 100", false), ("ulimit -f 100", true)] {
-        let script = format!("{prepare}; exec '{xtask}' {build}");
+        let script = format!("{prepare}; exec '{XTASK}' {build}");
         let output = Command::new("sh").args(["-c", &script]).current_dir(here).output().expect("sh starts");
         assert_eq!(output.status.code().is_none(), is_ended, "{output:?}");
         assert!(is_ended || output.status.code() == Some(1), "{output:?}");
@@ -313,7 +300,7 @@ fn a_write_that_fails_leaves_the_old_file() {
     // The one that was ended left its file, which is of no use.
     assert_eq!(temporary(), 1);
     for delay in 0..12 {
-        let mut child = Command::new(xtask).args(build.split(' ')).current_dir(here).spawn().expect("xtask starts");
+        let mut child = Command::new(XTASK).args(build.split(' ')).current_dir(here).spawn().expect("xtask starts");
         std::thread::sleep(std::time::Duration::from_millis(7 * delay));
         child.kill().expect("killed or ended");
         child.wait().expect("ended");

@@ -4,25 +4,14 @@ mod asked;
 mod results;
 mod resumed;
 mod shards;
+#[path = "../support/mod.rs"]
+mod support;
 
 use std::path::Path;
-use std::process::Command;
 
 use serde_json::Value;
 
-const XTASK: &str = env!("CARGO_BIN_EXE_xtask");
-
-/// The exit code, and what was said.
-fn run(arguments: &[&str], directory: &Path) -> (i32, String) {
-    let output = Command::new(XTASK).args(arguments).current_dir(directory).output().expect("xtask starts");
-    let text = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
-    assert!(!text.contains("panicked"), "{arguments:?}: {text}");
-    (output.status.code().expect("no signal"), text)
-}
-
-fn directory() -> tempfile::TempDir {
-    tempfile::tempdir().expect("a directory for the test")
-}
+use support::{XTASK, directory, run};
 
 fn read(path: &Path) -> String {
     std::fs::read_to_string(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))

@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use bvh_flat::{BuildConfig, MeshBvh, WideMesh};
 use geometry::{Hit, MollerTrumboreTriangles, UnpaddedBoxes};
-use hard_cases::{AnyShape, Case, Effort, Outcome, Run, Subject, cases};
+use hard_cases::{AnyShape, Effort, Outcome, Run, Subject, cases};
 
 use self::kernels::{
     AbsoluteEpsilon, ContractedEdges, OctantByComparison, RejectedByDeltaT, SoundEdges, TolerantPluecker, with_kernels,
@@ -18,16 +18,16 @@ use self::kernels::{
 use self::shapes::{Filtered, OwnRule, WithoutBounds, error_without_products, sound_error};
 use self::subjects::{Damaged, DamagedWide};
 
-fn run(case: &Case, subject: &dyn Subject) -> Outcome {
+/// What the case of the catalogue says of the subject.
+fn outcome(id: &str, subject: &dyn Subject) -> Outcome {
+    let case = cases().into_iter().find(|case| case.id == id).expect("the catalogue has the case");
     (case.run)(&Run { effort: Effort::Quick, seed: 1, subject, progress: &|_| () })
 }
 
 /// Each of `ids` fails on the subject.
 fn caught_by(subject: &dyn Subject, ids: &[&str]) {
-    let cases = cases();
     for id in ids {
-        let case = cases.iter().find(|case| case.id == *id).expect("the catalogue has the case");
-        let outcome = run(case, subject);
+        let outcome = outcome(id, subject);
         assert!(outcome.trials > 0 && !outcome.passed(), "{}, {id}: {outcome:?}", subject.name());
     }
 }
@@ -46,9 +46,7 @@ fn octants_by_comparison() {
 #[test]
 fn contracted_edge_functions() {
     caught_by(&with_kernels::<ContractedEdges>("contracted edges"), &["T01"]);
-    let sound = with_kernels::<SoundEdges>("edges in f64");
-    let t01 = cases().into_iter().find(|case| case.id == "T01").expect("the catalogue has T01");
-    let outcome = run(&t01, &sound);
+    let outcome = outcome("T01", &with_kernels::<SoundEdges>("edges in f64"));
     assert!(outcome.figures.contains(&("leaks", 0.0)), "{outcome:?}");
 }
 
@@ -68,9 +66,7 @@ fn an_error_bound_without_the_product_of_two_errors() {
     let damage = |wide| -> AnyShape { Box::new(Filtered { wide, error: error_without_products }) };
     caught_by(&DamagedWide { name: "first-order bound", damage }, &["T25"]);
     let sound = |wide| -> AnyShape { Box::new(Filtered { wide, error: sound_error }) };
-    let sound = DamagedWide { name: "second-order bound", damage: sound };
-    let t25 = cases().into_iter().find(|case| case.id == "T25").expect("the catalogue has T25");
-    let outcome = run(&t25, &sound);
+    let outcome = outcome("T25", &DamagedWide { name: "second-order bound", damage: sound });
     assert!(outcome.passed(), "{outcome:?}");
 }
 
