@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec2, Vec3, Vec3A};
 
 use crate::exact::exact_weights;
-use crate::{Bounds3, Interval, MAX_COORDINATE, SurfacePoint, TraversalRay};
+use crate::{Bounds3, Interval, MAX_COORDINATE, Shear, SurfacePoint, TraversalRay};
 
 /// Half the spacing of f64 at 1: the relative error of one rounding.
 const U64: f64 = f64::EPSILON / 2.0;
@@ -36,13 +36,24 @@ pub struct TriangleHit {
 /// Total: non-finite vertices are not hit; no NaN comes out.
 #[inline]
 pub fn intersect_triangle(ray: &TraversalRay, vertices: &[Vec3; 3], interval: Interval) -> Option<TriangleHit> {
-    if !is_inside(ray, vertices) {
+    if is_inside(ray, vertices) { hit_of(ray, vertices, interval) } else { None }
+}
+
+/// Where a ray that passes through the triangle meets it. Not compiled in place: most triangles of a leaf are missed.
+#[inline(never)]
+fn hit_of(ray: &TraversalRay, vertices: &[Vec3; 3], interval: Interval) -> Option<TriangleHit> {
+    let t = plane_t(ray, vertices)? as f32;
+    // The entry only makes it larger. Where many triangles lie behind one another, most need no more than this.
+    if t >= interval.t_max() {
         return None;
     }
-    let weights = Weights::of_plane_hit(ray, vertices)?;
     let entry = ray.enter(&triangle_bounds(vertices), interval)?;
-    let t = (weights.t as f32).max(entry);
-    interval.contains(t).then(|| TriangleHit { t, u: weights.b[1] as f32, v: weights.b[2] as f32 })
+    let t = t.max(entry);
+    if !interval.contains(t) {
+        return None;
+    }
+    let Weights { b, .. } = Weights::of_plane_hit(ray, vertices)?;
+    Some(TriangleHit { t, u: b[1] as f32, v: b[2] as f32 })
 }
 
 /// The box of a triangle, grown by 2⁻²¹ of its largest extent: with it, no box test loses a hit of the triangle test.
@@ -78,53 +89,59 @@ fn next_down(x: f32) -> f32 {
 }
 
 /// Whether the sheared ray passes through the closed triangle: all edge functions of one sign, and not all zero.
-#[inline]
+#[inline(always)]
 fn is_inside(ray: &TraversalRay, vertices: &[Vec3; 3]) -> bool {
-    let (shear, o) = (ray.shear(), ray.ray().origin);
+    let &Shear { kx, ky, kz, sx, sy, .. } = ray.shear();
+    let o = ray.origin_and_time();
+    let [ox, oy, oz] = [o[kx], o[ky], o[kz]];
     let [a, b, c] = vertices.map(|v| {
-        let p = v - o;
-        let x = p[shear.kx] - shear.sx * p[shear.kz];
-        let y = p[shear.ky] - shear.sy * p[shear.kz];
+        // Four, so that no axis is out of range.
+        let v = [v.x, v.y, v.z, 0.0];
+        let z = v[kz & 3] - oz;
+        let x = (v[kx & 3] - ox) - sx * z;
+        let y = (v[ky & 3] - oy) - sy * z;
         (f64::from(x), f64::from(y))
     });
     let e0 = c.0 * b.1 - c.1 * b.0;
     let e1 = a.0 * c.1 - a.1 * c.0;
     let e2 = b.0 * a.1 - b.1 * a.0;
-    let one_sign = (e0 >= 0.0 && e1 >= 0.0 && e2 >= 0.0) || (e0 <= 0.0 && e1 <= 0.0 && e2 <= 0.0);
-    one_sign && e0 + e1 + e2 != 0.0
+    // One branch: which sign each has cannot be predicted. The sum is NaN where any is.
+    let (low, high) = if e0 < e1 { (e0, e1) } else { (e1, e0) };
+    let (low, high) = (if e2 < low { e2 } else { low }, if e2 > high { e2 } else { high });
+    ((low >= 0.0) | (high <= 0.0)) & ((e0 + e1 + e2).abs() > 0.0)
 }
 
 /// The barycentric weights of the point where the f64 ray meets the triangle's plane, clamped into the triangle.
 struct Weights {
     b: [f64; 3],
-    t: f64,
     /// A bound on Σ |bᵢ − bᵢ*| against the exact, unclamped weights.
     error: f64,
 }
 
 impl Weights {
-    /// The computation of [`is_inside`] in f64 from the f64 ray.
+    /// The computation of [`is_inside`] in f64 from the f64 ray, with x and y times d_z, by which nothing is divided
+    /// but the weights, once.
     ///
-    /// With u = 2⁻⁵³: a sheared coordinate x = pₓ − Sₓ p_z has at most the error 4u (|pₓ| + |Sₓ p_z|) = 4u X; an edge
-    /// function then at most 11u (X_c Y_b + Y_c X_b), rounded up to 12u; Σ |δbᵢ| <= 2 Σ |δeᵢ| / |Σ eᵢ|. Clamping moves
-    /// the weights by twice the clamped sum at most. `None` where the plane is edge-on even in f64.
+    /// With u = 2⁻⁵³: a sheared coordinate x = pₓ d_z − dₓ p_z has at most the error 3u (|pₓ d_z| + |dₓ p_z|) = 3u X,
+    /// by a rounding in p, in the product and in the difference; an edge function then at most 8u (X_c Y_b + Y_c X_b),
+    /// to first order, here 12u; Σ |δbᵢ| <= 2 Σ |δeᵢ| / |Σ eᵢ|. Clamping moves the weights by twice the clamped sum at
+    /// most. `None` where the plane is edge-on even in f64.
     #[inline]
     fn of_plane_hit(ray: &TraversalRay, vertices: &[Vec3; 3]) -> Option<Self> {
         let shear = ray.shear();
         let (o, d) = (ray.origin64(), ray.direction64());
-        let (sx, sy) = (d[shear.kx] / d[shear.kz], d[shear.ky] / d[shear.kz]);
+        let [dx, dy, dz] = [d[shear.kx], d[shear.ky], d[shear.kz]];
         let mut x = [0.0; 3];
         let mut y = [0.0; 3];
-        let mut z = [0.0; 3];
         let mut x_size = [0.0; 3];
         let mut y_size = [0.0; 3];
         for i in 0..3 {
             let p = vertices[i].as_dvec3() - o;
-            z[i] = p[shear.kz];
-            x[i] = p[shear.kx] - sx * z[i];
-            y[i] = p[shear.ky] - sy * z[i];
-            x_size[i] = p[shear.kx].abs() + (sx * z[i]).abs();
-            y_size[i] = p[shear.ky].abs() + (sy * z[i]).abs();
+            let [px, py, pz] = [p[shear.kx], p[shear.ky], p[shear.kz]];
+            x[i] = px * dz - dx * pz;
+            y[i] = py * dz - dy * pz;
+            x_size[i] = (px * dz).abs() + (dx * pz).abs();
+            y_size[i] = (py * dz).abs() + (dy * pz).abs();
         }
         const EDGES: [(usize, usize); 3] = [(2, 1), (0, 2), (1, 0)];
         let e = EDGES.map(|(i, j)| x[i] * y[j] - y[i] * x[j]);
@@ -134,33 +151,32 @@ impl Weights {
         if det == 0.0 || !det.is_finite() {
             return None;
         }
-        let raw = e.map(|e| e / det);
-        let clamped = raw.map(|b| b.max(0.0));
-        let sum = clamped[0] + clamped[1] + clamped[2];
-        let b = clamped.map(|b| b / sum);
-        let t = plane_t(ray, vertices, z)?;
-        Some(Self { b, t, error: 2.0 * e_error / det.abs() + 2.0 * (sum - 1.0).abs() })
+        let inside = e.map(|e| e.abs() * f64::from(u8::from((e < 0.0) == (det < 0.0))));
+        let sum = inside[0] + inside[1] + inside[2];
+        let r = 1.0 / sum;
+        Some(Self { b: inside.map(|e| e * r), error: 2.0 * (e_error + (sum - det.abs())) / det.abs() })
     }
 }
 
-/// The parameter at which the f64 ray meets the triangle's plane, kept within the vertices' depths `z` along the ray's
+/// The parameter at which the f64 ray meets the triangle's plane, kept within the vertices' depths along the ray's
 /// largest component.
 ///
 /// By the plane's equation and not by the weighted depths: for an origin in the plane of an axis-parallel triangle it
 /// is exactly 0, where the weighted sum left 10⁻¹⁷ of either sign (of rays spawned from such a floor 2.7 % hit it
 /// again). `None` for a triangle without area, which the rounded shear may have given some.
 #[inline]
-fn plane_t(ray: &TraversalRay, vertices: &[Vec3; 3], z: [f64; 3]) -> Option<f64> {
+fn plane_t(ray: &TraversalRay, vertices: &[Vec3; 3]) -> Option<f64> {
     let v = vertices.map(|v| v.as_dvec3());
     let n = (v[1] - v[0]).cross(v[2] - v[0]);
     if n == DVec3::ZERO {
         return None;
     }
-    let dz = ray.direction64()[ray.shear().kz];
-    let depths = z.map(|z| z / dz);
-    let nearest = depths[0].min(depths[1]).min(depths[2]);
-    let farthest = depths[0].max(depths[1]).max(depths[2]);
-    let t = n.dot(v[0] - ray.origin64()) / n.dot(ray.direction64());
+    let (o, d, kz) = (ray.origin64(), ray.direction64(), ray.shear().kz);
+    let z = v.map(|v| v[kz] - o[kz]);
+    let (low, high) = (z[0].min(z[1]).min(z[2]), z[0].max(z[1]).max(z[2]));
+    // Rounding is monotone: these are the least and the largest of the three quotients.
+    let (nearest, farthest) = if d[kz] < 0.0 { (high / d[kz], low / d[kz]) } else { (low / d[kz], high / d[kz]) };
+    let t = n.dot(v[0] - o) / n.dot(d);
     // Edge-on in f64, the plane's equation says nothing (NaN); then the nearest depth.
     Some(if t > nearest { t.min(farthest) } else { nearest })
 }
