@@ -1,5 +1,6 @@
 //! How wrong answers are, by the oracle.
 
+mod seams;
 mod summary;
 mod truth;
 
@@ -104,7 +105,7 @@ impl std::iter::Sum for Errors {
     }
 }
 
-/// How many of the rays from inside of closed meshes get out, without a hit: by what they are aimed at.
+/// How many of the rays at seams get through, without a hit: by what they are aimed at.
 pub fn leaks(meshes: &[Box<dyn Shape>], tests: &[LeakTest]) -> Vec<(&'static str, u64, u64)> {
     let mut counts: Vec<(&'static str, u64, u64)> = Vec::new();
     for test in tests {
@@ -112,7 +113,7 @@ pub fn leaks(meshes: &[Box<dyn Shape>], tests: &[LeakTest]) -> Vec<(&'static str
         let leaked = test
             .rays
             .par_iter()
-            .filter(|ray| TraversalRay::new(ray).is_some_and(|ray| shape.intersect(&ray, Interval::FULL).is_none()))
+            .filter(|ray| TraversalRay::new(ray).is_some_and(|ray| shape.intersect(&ray, test.reach).is_none()))
             .count() as u64;
         let name = test.aim.name();
         match counts.iter_mut().find(|(n, ..)| *n == name) {

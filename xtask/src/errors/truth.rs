@@ -1,13 +1,14 @@
 //! The exact answers, computed once for all configurations.
 
 use bvh_flat::geometry::glam::{DAffine3, Vec3};
-use bvh_flat::geometry::{Ray, TriangleMesh};
+use bvh_flat::geometry::{Interval, Ray, Shape, TriangleMesh};
 use bvh_flat::primitive::Placement;
 use hard_cases::{Aim, Random, aimed_rays};
 use oracle::{Closest, ExactHit, ExactTransform, MeshOracle, Oracle, OracleList, PointLocation, SphereOracle, Tally};
 use rayon::prelude::*;
 use scene::{CompiledScene, ObjectId, Scene, SceneRay, SceneShape};
 
+use super::seams::{REACH, rays_at_seams};
 use crate::input::SEED;
 
 /// Ray sets with their exact answers.
@@ -28,12 +29,14 @@ pub struct JudgedRay {
     pub exact: Option<Closest>,
 }
 
-/// Rays from inside of a closed mesh, aimed at where meshes leak.
+/// Rays aimed at where meshes leak: from inside of a closed one, and at the seams of another.
 pub struct LeakTest {
     /// The mesh, as the compiled scene numbers them.
     pub mesh: usize,
     pub aim: Aim,
     pub rays: Vec<Ray>,
+    /// In it, each ray hits something.
+    pub reach: Interval,
 }
 
 /// Beyond this many primitives, instances counted like copies, the oracle is not asked.
@@ -41,7 +44,7 @@ const LARGEST: u64 = 20_000_000;
 
 impl Truth {
     /// The exact answers to at most `count` rays of each set, all at the camera's opening time, at which every
-    /// transform is a matrix and hence exact; and rays that test closed meshes for leaks. `None` for a scene too large.
+    /// transform is a matrix and hence exact; and rays that test meshes for leaks. `None` for a scene too large.
     pub fn new(compiled: &CompiledScene, sets: &[(&str, &[SceneRay])], count: usize) -> Option<Self> {
         use bvh_flat::primitive::Primitive;
         let scene = compiled.scene();
@@ -97,29 +100,32 @@ impl Oracle for NotHit {
         self.0
     }
 
-    fn all_hits(&self, _: &Ray, _: bvh_flat::geometry::Interval, _: &mut Tally) -> Vec<ExactHit> {
+    fn all_hits(&self, _: &Ray, _: Interval, _: &mut Tally) -> Vec<ExactHit> {
         Vec::new()
     }
 }
 
-/// Of each closed mesh, rays from inside: `count` in all for each aim, by the meshes' numbers of triangles.
+/// Of each closed mesh, rays from inside, and of each other, rays at its seams: `count` in all for each aim, by the
+/// meshes' numbers of triangles.
 fn leak_tests(compiled: &CompiledScene, count: usize) -> Vec<LeakTest> {
-    let closed: Vec<usize> = (0..compiled.meshes().len())
-        .filter(|&i| scene::meshes::is_closed(compiled.meshes()[i].mesh()) && !compiled.meshes()[i].mesh().is_empty())
-        .collect();
-    let triangles: usize = closed.iter().map(|&i| compiled.meshes()[i].mesh().len()).sum();
+    let meshes = compiled.meshes().iter().map(|mesh| mesh.mesh());
+    let triangles: usize = meshes.clone().map(|mesh| mesh.len()).sum();
     let mut tests = Vec::new();
-    for &i in &closed {
-        let mesh = compiled.meshes()[i].mesh();
+    for (i, mesh) in meshes.enumerate().filter(|(_, mesh)| mesh.object_bound().is_valid()) {
         let share = (count * mesh.len()).div_ceil(triangles.max(1));
         let mut random = Random::new(SEED, i as u64);
+        if !scene::meshes::is_closed(mesh) {
+            let sets = rays_at_seams(mesh, share, &mut random).into_iter().filter(|(_, rays)| !rays.is_empty());
+            tests.extend(sets.map(|(aim, rays)| LeakTest { mesh: i, aim, rays, reach: Interval::up_to(REACH) }));
+            continue;
+        }
         let inside = points_inside(mesh, &mut random);
         if inside.is_empty() {
             continue;
         }
         for aim in [Aim::Edge, Aim::Vertex, Aim::Corner] {
             let rays = aimed_rays(mesh, aim, share, &mut random, |random| inside[random.below(inside.len())]).collect();
-            tests.push(LeakTest { mesh: i, aim, rays });
+            tests.push(LeakTest { mesh: i, aim, rays, reach: Interval::FULL });
         }
     }
     tests
@@ -128,7 +134,7 @@ fn leak_tests(compiled: &CompiledScene, count: usize) -> Vec<LeakTest> {
 /// Some points that the oracle knows to be inside: tried below the middles of triangles.
 fn points_inside(mesh: &TriangleMesh, random: &mut Random) -> Vec<Vec3> {
     let oracle = MeshOracle::new(mesh);
-    let size = bvh_flat::geometry::Shape::object_bound(mesh).diagonal().length();
+    let size = mesh.object_bound().diagonal().length();
     let mut inside = Vec::new();
     for _ in 0..64 {
         let [a, b, c] = mesh.vertices(random.below(mesh.len()));
