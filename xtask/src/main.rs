@@ -45,7 +45,7 @@ Examples:
 #[derive(Subcommand)]
 enum Command {
     /// Build a scene in every way, trace it with four kinds of rays, and say in tables and a report what each costs
-    Sweep(sweep::Arguments),
+    Sweep(Box<sweep::Arguments>),
     /// Put the results of a sweep's shards together
     Merge(sweep::merge::Arguments),
     /// Draw a scene: its surfaces, or what rays cost in it

@@ -40,7 +40,31 @@ fn pixels(path: &Path) -> (u32, Vec<[u8; 3]>) {
     (frame.width, bytes.chunks_exact(channels).map(|p| [p[0], p[1], p[2]]).collect())
 }
 
-/// Both themes are obeyed, charts are drawn, nothing is wider than the window, and paper takes it.
+/// Tells the page whose frame this is in how wide it is, and what is wrong with it.
+const MEASURING: &str = "<script>onload = () => {
+  const faults = [], of = element => element.getBoundingClientRect();
+  for (const svg of document.querySelectorAll('.chart svg')) {
+    const frame = of(svg), scale = frame.width / svg.viewBox.baseVal.width, texts = [...svg.querySelectorAll('text')];
+    texts.forEach((text, i) => {
+      const a = of(text), name = text.textContent;
+      if (scale * parseFloat(getComputedStyle(text).fontSize) < 10) faults.push('too small to read: ' + name);
+      if (a.left < frame.left || a.right > frame.right || a.top < frame.top || a.bottom > frame.bottom)
+        faults.push('beyond the chart: ' + name);
+      for (const other of texts.slice(0, i)) {
+        const b = of(other), across = Math.min(a.right, b.right) - Math.max(a.left, b.left);
+        if (across > 0.5 && Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top) > 3)
+          faults.push('one on the other: ' + name + ', ' + other.textContent);
+      }
+    });
+  }
+  for (const code of document.querySelectorAll('tr.command code')) {
+    const frame = of(code.closest('.scroll')), part = of(code);
+    if (part.left < frame.left - 1 || part.right > frame.right + 1) { faults.push('a command is cut off'); break; }
+  }
+  parent.postMessage(document.documentElement.scrollWidth + ' ' + faults.join('; '), '*');
+}</script></body>";
+
+/// Both themes are obeyed, charts are drawn and their words read, nothing is wider than the window, and paper takes it.
 #[test]
 fn the_report_looks_as_it_should() {
     let Some(browser) = browser() else {
@@ -53,10 +77,9 @@ fn the_report_looks_as_it_should() {
     let output = Command::new(env!("CARGO_BIN_EXE_xtask")).args(sweep.split(' ')).current_dir(&here).output();
     assert!(output.expect("xtask starts").status.success());
     let page = here.join("out/report.html");
-    // A copy that says how wide it is, to the page whose frame it is in: windows have a least width, and frames do not.
+    // A copy that measures itself, in a frame of another page: windows have a least width, and frames do not.
     let text = std::fs::read_to_string(&page).expect("the report");
-    let script = "<script>onload = () => parent.postMessage(document.documentElement.scrollWidth, '*')</script></body>";
-    std::fs::write(here.join("measuring.html"), text.replace("</body>", script)).expect("written");
+    std::fs::write(here.join("measuring.html"), text.replace("</body>", MEASURING)).expect("written");
     for (theme, (name, paper, first_series)) in THEMES.into_iter().enumerate() {
         for width in WIDTHS {
             let picture = here.join("page.png");
@@ -76,8 +99,10 @@ fn the_report_looks_as_it_should() {
             let options = ["--dump-dom", "--virtual-time-budget=5000"];
             let dom = browse(browser, &here.join("profile"), &frame, theme, 1600, &options);
             let title = dom.split("<title>measured ").nth(1).and_then(|rest| rest.split("</title>").next());
-            let found: u32 = title.and_then(|n| n.parse().ok()).expect("a number");
+            let (found, faults) = title.and_then(|text| text.split_once(' ')).expect("what was measured");
+            let found: u32 = found.parse().expect("a number");
             assert!((width - 30..=width).contains(&found), "{name}: the page is {found} wide in a frame of {width}");
+            assert_eq!(faults, "", "{name}, in a frame of {width}");
         }
     }
     let pdf = here.join("page.pdf");

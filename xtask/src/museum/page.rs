@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use super::Finding;
+use crate::picture::data_uri;
 use crate::table::count;
 
 /// What it is called, here and in the report of a sweep.
@@ -95,30 +96,15 @@ fn exhibit(html: &mut String, finding: &Finding, heading: &str) {
         html,
         "<article id=\"museum-{id}\">\n<{heading}>{title}</{heading}>\n<p class=\"threads\">{threads}</p>\n<p>{story}</p>\n\
         <figure><img alt=\"{title}: the textbook’s tracer left, this library right\" \
-        src=\"data:image/png;base64,{png}\"><figcaption><span>The textbook: {naive}, of {rays} rays.</span> \
+        src=\"{png}\"><figcaption><span>The textbook: {naive}, of {rays} rays.</span> \
         <span>This library: {verdict}, {errors} errors.</span></figcaption></figure>\n<p>{remedy}</p>\n</article>\n",
         id = exhibit.id,
         title = exhibit.title,
         threads = threads.join(" · "),
         story = exhibit.story,
-        png = base64(&finding.png),
+        png = data_uri(&finding.png),
         remedy = exhibit.remedy,
     );
-}
-
-/// RFC 4648, section 4.
-fn base64(bytes: &[u8]) -> String {
-    const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
-    for chunk in bytes.chunks(3) {
-        let byte = |i: usize| u32::from(chunk.get(i).copied().unwrap_or(0));
-        let bits = byte(0) << 16 | byte(1) << 8 | byte(2);
-        for i in 0..4 {
-            let digit = DIGITS[(bits >> (18 - 6 * i) & 63) as usize];
-            text.push(if i <= chunk.len() { char::from(digit) } else { '=' });
-        }
-    }
-    text
 }
 
 const PAGE_STYLE: &str = "\
@@ -148,15 +134,3 @@ vertical-align:-.1em;print-color-adjust:exact}\
 .museum .lost{background:#ff00dc}.museum .invented{background:#ffd60a}\
 @media(prefers-color-scheme:dark){.museum{--line:#3a3e44;--link:#7db8f2;--good:#6fd39a;--bad:#ff8a80}}\
 @media print{.museum{--line:#bbb;--link:#000;--good:#000;--bad:#000}}";
-
-#[cfg(test)]
-mod tests {
-    use super::base64;
-
-    #[test]
-    fn base64_is_that_of_the_rfc() {
-        let texts = ["", "f", "fo", "foo", "foob", "fooba", "foobar"];
-        let encoded = ["", "Zg==", "Zm8=", "Zm9v", "Zm9vYg==", "Zm9vYmE=", "Zm9vYmFy"];
-        assert_eq!(texts.map(|text| base64(text.as_bytes())), encoded);
-    }
-}

@@ -24,6 +24,9 @@ impl Row<'_> {
         if let Some(threads) = self.tree.threads {
             add("threads", &threads.to_string());
         }
+        if let Some(camera) = &plan.camera {
+            add("camera", camera);
+        }
         add("rays", &plan.rays.to_string());
         for file in &plan.ray_files {
             add("rays", &file.path.display().to_string());

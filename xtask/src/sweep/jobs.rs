@@ -36,7 +36,8 @@ impl<'a> Worker<'a> {
             Task::Picture { tree } => {
                 let Trees::Wide(compiled) = &workshop.find(&tree)?.trees else { bail!("pictures are of wide trees") };
                 let sizes = workshop.plan.pictures.context("no pictures are planned")?;
-                Self::Picture { occlusion: Occlusion::new(compiled, workshop.default_trees()?, sizes)? }
+                let bounds = workshop.default_trees()?.world().world_bound();
+                Self::Picture { occlusion: Occlusion::new(compiled, &workshop.camera()?, &bounds, sizes)? }
             }
             Task::Leaks => Self::Leaks,
             Task::Cache { tree } => {

@@ -76,7 +76,10 @@ fn difference(a: &Plan, b: &Plan) -> String {
     if a.scenes != b.scenes {
         words.push("other scenes");
     }
-    if (a.rays, a.judged_rays, &a.ray_sets, &a.ray_files) != (b.rays, b.judged_rays, &b.ray_sets, &b.ray_files) {
+    fn rays(plan: &Plan) -> impl PartialEq + '_ {
+        (plan.rays, plan.judged_rays, &plan.ray_sets, &plan.ray_files, &plan.camera)
+    }
+    if rays(a) != rays(b) {
         words.push("other rays");
     }
     let tasks = |plan: &Plan| plan.jobs.iter().map(|job| job.task).collect::<Vec<_>>();

@@ -75,6 +75,10 @@ pub struct Arguments {
     /// then stand for the generated ones unless --ray-set asks for these. May be given more than once
     #[arg(long, value_name = "N|FILE", value_parser = RaysArgument::parse)]
     rays: Vec<RaysArgument>,
+    /// The camera of primary rays and pictures, as `render --camera` takes it: it looks from outside where a file has
+    /// none
+    #[arg(long, value_name = "SETTINGS", value_parser = settings::parse_camera)]
+    camera: Option<String>,
     /// Rays of each set whose answers are compared with the exact ones, and rays for each kind of leak; 0 for none
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=1 << 24))]
     judged_rays: Option<u32>,

@@ -2,15 +2,15 @@
 
 use anyhow::Result;
 use bvh_flat::geometry::glam::Vec3;
-use bvh_flat::geometry::{ClosestHit, Interval, TraversalRay};
+use bvh_flat::geometry::{Bounds3, ClosestHit, Interval, TraversalRay};
 use bvh_flat::primitive::{HitKind, Primitive};
 use hard_cases::Random;
 use rayon::prelude::*;
-use scene::{CameraView, CompiledScene};
+use scene::{Camera, CameraView, CompiledScene};
 
 use super::effort::PictureSizes;
 use super::plan::hash_of;
-use crate::input::{self, SEED};
+use crate::input::SEED;
 use crate::measure::timed_on_processor;
 use crate::shading::{cosine_direction, diagonal};
 
@@ -25,16 +25,15 @@ pub struct Occlusion<'a> {
 }
 
 impl<'a> Occlusion<'a> {
-    /// `seen` says where the camera is and how large the scene: trees of different builders may have different bounds,
-    /// in the last digits.
-    pub fn new(compiled: &'a CompiledScene, seen: &CompiledScene, sizes: PictureSizes) -> Result<Self> {
-        let camera = input::camera(seen);
+    /// `camera` and `bounds` are the same for all: trees of different builders may have different bounds, in the last
+    /// digits.
+    pub fn new(compiled: &'a CompiledScene, camera: &Camera, bounds: &Bounds3, sizes: PictureSizes) -> Result<Self> {
         Ok(Self {
             compiled,
             sizes,
             map: camera.view(sizes.map[0], sizes.map[1])?,
             view: camera.view(sizes.occlusion[0], sizes.occlusion[1])?,
-            reach: 0.15 * diagonal(&seen.world().world_bound()),
+            reach: 0.15 * diagonal(bounds),
         })
     }
 

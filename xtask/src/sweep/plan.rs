@@ -33,6 +33,8 @@ pub struct Plan {
     pub judged_rays: u32,
     pub ray_sets: Vec<RaySetName>,
     pub ray_files: Vec<RayFile>,
+    /// What is other than in the scenes' own cameras, as [`scene::CameraSettings`] are written.
+    pub camera: Option<String>,
     pub pictures: Option<PictureSizes>,
     pub scenes: Vec<PlannedScene>,
     pub jobs: Vec<Job>,
@@ -103,6 +105,7 @@ impl Plan {
             judged_rays: settings.judged_rays,
             ray_sets: settings.ray_sets.clone(),
             ray_files: Vec::new(),
+            camera: settings.camera.clone(),
             pictures: settings.pictures,
             scenes: Vec::new(),
             jobs: Vec::new(),
@@ -143,14 +146,16 @@ impl Plan {
                 builders.push(*tree);
             }
         }
+        let has_mesh = scene.geometries().iter().any(|g| matches!(g.shape, SceneShape::Mesh(_)));
         if settings.pictures.is_some() {
-            tasks.push(Task::Leaks);
+            tasks.extend(has_mesh.then_some(Task::Leaks));
             tasks.extend(builders.iter().map(|&tree| Task::Picture { tree }));
         }
-        if settings.cache && scene.geometries().iter().any(|g| matches!(g.shape, SceneShape::Mesh(_))) {
+        if settings.cache && has_mesh {
             tasks.extend(builders.iter().map(|&tree| Task::Cache { tree }));
         }
-        let shared = (&self.program, self.rays, self.judged_rays, &self.ray_sets, &self.ray_files, self.pictures);
+        let rays = (self.rays, self.judged_rays, &self.ray_sets, &self.ray_files, &self.camera);
+        let shared = (&self.program, rays, self.pictures);
         let shared = serde_json::to_string(&(shared, &self.scenes[number]))?;
         for task in tasks {
             let id = hash_of(&format!("{shared}{}", serde_json::to_string(&task)?));

@@ -30,8 +30,9 @@ pub struct JobResult {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Timings {
     pub host: Host,
-    /// How many programs wanted a processor when the job began, in the mean over a minute.
-    pub load: Option<f64>,
+    /// The part of the machine's processors that other programs used during the rounds; `None` where the system does
+    /// not tell.
+    pub others: Option<f64>,
     /// How many threads built.
     pub build_threads: u32,
     /// Of each round of builds.
@@ -91,7 +92,7 @@ pub struct TraceAnswers {
     pub sets: Vec<SetAnswers>,
     /// Of all sets together; `None` where the oracle was not asked.
     pub errors: Option<ErrorSummary>,
-    /// Rays from inside of closed meshes: what they were aimed at, how many got out, how many they were.
+    /// Rays aimed at where meshes leak: at what, how many got through, how many they were.
     pub leaks: Vec<(String, u64, u64)>,
 }
 

@@ -8,6 +8,7 @@ use super::configuration::{Calls, KernelName, Promise, Traversal, TreeName};
 use super::host::Host;
 use super::plan::{Job, Plan, Task};
 use super::results::{Answers, CacheAnswers, JobResult, LeakMaps, PictureAnswers, Timings, TraceAnswers};
+use crate::table::count;
 
 /// What was found about one scene on one machine.
 pub struct Sweep<'a> {
@@ -71,6 +72,13 @@ impl<'a> Sweep<'a> {
         sweeps
     }
 
+    /// The scene's name, and the machine's where `all` have the scene on several.
+    pub fn title(&self, all: &[Sweep]) -> String {
+        let is_alone = all.iter().filter(|other| other.scene == self.scene).count() == 1;
+        let name = self.scene_name();
+        if is_alone { name.to_owned() } else { format!("{name}, on {}", self.host.name) }
+    }
+
     /// The scene's name.
     pub fn scene_name(&self) -> &'a str {
         &self.plan.scenes[self.scene].name
@@ -108,7 +116,12 @@ impl<'a> Sweep<'a> {
 
     /// The fastest of the rows that promise something, or of those that do not.
     pub fn fastest(&self, is_sound: bool) -> Option<&Row<'a>> {
-        let rows = self.rows.iter().filter(|row| row.traversal.promise().is_some() == is_sound);
+        self.fastest_of(|row| row.traversal.promise().is_some() == is_sound)
+    }
+
+    /// The fastest of these rows.
+    pub fn fastest_of(&self, is_meant: impl Fn(&Row) -> bool) -> Option<&Row<'a>> {
+        let rows = self.rows.iter().filter(|row| is_meant(row));
         rows.max_by(|a, b| a.closest_speed().total_cmp(&b.closest_speed()))
     }
 
@@ -125,6 +138,11 @@ impl<'a> Sweep<'a> {
         let mut all: Vec<f64> = self.rows.iter().filter_map(|row| row.timings.deviation()).collect();
         all.sort_by(f64::total_cmp);
         Some([*all.get(all.len() / 2)?, *all.last()?])
+    }
+
+    /// The part of the machine's processors that other programs used meanwhile.
+    pub fn others(&self) -> Option<f64> {
+        self.rows.iter().filter_map(|row| row.timings.others).reduce(f64::max)
     }
 
     /// What must hold of all that promise something: the answers depend on the promise alone, neither on the tree, the
@@ -153,7 +171,7 @@ impl<'a> Sweep<'a> {
                 }
             }
             if let Some((aim, leaks, rays)) = row.answers.leaks.iter().find(|(_, leaks, _)| *leaks > 0) {
-                bail!("{scene}: {what}: {leaks} of {rays} rays aimed at {aim} leak out of closed meshes");
+                bail!("{scene}: {what}: {leaks} of {rays} rays aimed at {aim} leak");
             }
         }
         if let [(_, first, _), others @ ..] = &self.pictures[..]
@@ -208,6 +226,15 @@ impl Row<'_> {
     pub fn error_bound(&self) -> f64 {
         let bound = |of: u64| if of == 0 { 0.0 } else { 3e6 / of as f64 };
         bound(self.answers.errors.as_ref().map_or(0, |e| e.rays)) + bound(self.leaks().1)
+    }
+
+    /// [`Self::error_rate`] in words; where nothing is observed, what is excluded.
+    pub fn error(&self) -> String {
+        let words = |rate: f64| if rate >= 100.0 { count(rate.round() as u64) } else { format!("{rate:.1}") };
+        match self.error_rate() {
+            rate if rate > 0.0 => words(rate),
+            _ => format!("0 (<{})", words(self.error_bound())),
+        }
     }
 
     /// All leaks, and rays that were aimed.

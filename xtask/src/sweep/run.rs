@@ -10,7 +10,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use super::configuration::TreeName;
 use super::effort::Rounds;
-use super::host::{self, Host};
+use super::host::{Host, Usage};
 use super::jobs::Worker;
 use super::plan::{Job, Plan};
 use super::results::{Folder, JobResult, Timings};
@@ -104,7 +104,6 @@ impl Session<'_> {
             check_interrupted()
         };
         let workshop = Workshop::open(self.plan, self.scene, &trees, self.pool, &step)?;
-        let load = host::load();
         let mut results = Vec::new();
         let mut workers = Vec::new();
         for job in jobs {
@@ -119,12 +118,13 @@ impl Session<'_> {
             };
             // Times of another machine are worth nothing here.
             if result.timings.host != *self.host {
-                result.timings = Timings { host: self.host.clone(), load, ..Timings::default() };
+                result.timings = Timings { host: self.host.clone(), ..Timings::default() };
             }
             self.folder.save(&result)?;
             results.push(result);
             workers.push(worker);
         }
+        let before = Usage::now();
         for round in 0.. {
             let (time, is_long_enough) = (self.watch.elapsed(), round >= self.rounds.least);
             // As long as another round like those before fits.
@@ -144,8 +144,10 @@ impl Session<'_> {
                 }
             }
         }
+        let others = before.and_then(|before| Some(Usage::now()?.of_others(before)));
         for mut result in results {
             result.is_complete = true;
+            result.timings.others = others;
             self.folder.save(&result)?;
         }
         bar.finish_and_clear();

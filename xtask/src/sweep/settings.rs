@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use anyhow::Result;
 use clap::ValueEnum;
+use scene::CameraSettings;
 use serde::{Deserialize, Serialize};
 
 use super::Arguments;
@@ -93,6 +94,11 @@ impl RaysArgument {
     }
 }
 
+/// Settings of a camera, which stay the text that they are.
+pub fn parse_camera(text: &str) -> Result<String, String> {
+    text.parse::<CameraSettings>().map(|_| text.to_owned()).map_err(|e| e.to_string())
+}
+
 /// Seconds ("90" or "90s"), minutes ("2m") or hours ("1h").
 pub fn parse_duration(text: &str) -> Result<Duration, String> {
     let (number, unit) = match text.find(|c: char| c.is_ascii_alphabetic()) {
@@ -117,6 +123,7 @@ pub struct Settings {
     pub rounds: Rounds,
     pub ray_sets: Vec<RaySetName>,
     pub ray_files: Vec<PathBuf>,
+    pub camera: Option<String>,
     /// `None` where none are asked for.
     pub pictures: Option<PictureSizes>,
     pub cache: bool,
@@ -174,6 +181,7 @@ impl Settings {
             rounds,
             ray_sets,
             ray_files,
+            camera: arguments.camera.clone().or(own.camera),
             pictures: pictures.then_some(effort.pictures),
             cache: arguments.cache.or(own.cache).unwrap_or(true),
             grids: chosen(grids, arguments),

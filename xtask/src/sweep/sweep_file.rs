@@ -9,7 +9,7 @@ use serde::Deserialize;
 use toml::Table;
 
 use super::configuration::{Calls, KernelName, Layout};
-use super::settings::{RaySetName, WidthChoice, parse_duration};
+use super::settings::{RaySetName, WidthChoice, parse_camera, parse_duration};
 use crate::input::{SplitMethodName, usage_error};
 
 /// The built-in sweep file.
@@ -22,6 +22,7 @@ pub struct SweepFile {
     pub scenes: Vec<String>,
     pub ray_sets: Option<Vec<Named<RaySetName>>>,
     pub ray_files: Vec<PathBuf>,
+    pub camera: Option<String>,
     pub rays: Option<u32>,
     pub judged_rays: Option<u32>,
     pub budget: Option<String>,
@@ -44,8 +45,19 @@ pub struct Grid {
     pub threads: Vec<u32>,
 }
 
-const KEYS: [&str; 10] =
-    ["scenes", "ray_sets", "ray_files", "rays", "judged_rays", "budget", "rounds", "pictures", "cache", "grid"];
+const KEYS: [&str; 11] = [
+    "scenes",
+    "ray_sets",
+    "ray_files",
+    "camera",
+    "rays",
+    "judged_rays",
+    "budget",
+    "rounds",
+    "pictures",
+    "cache",
+    "grid",
+];
 const GRID_KEYS: [&str; 7] =
     ["split_method", "layout", "simd_width", "calls", "kernels", "max_primitives_in_leaf", "threads"];
 
@@ -81,10 +93,11 @@ impl SweepFile {
     /// Parses the text of a file.
     pub fn parse(text: &str) -> Result<Self> {
         let table: Table = text.parse().map_err(|e: toml::de::Error| anyhow!("{}", e.to_string().trim_end()))?;
-        check_keys(&table, &KEYS, "")?;
+        check_keys(&table, (&KEYS, ""), (&GRID_KEYS, ", which goes below [[grid]]"))?;
         let grids = table.get("grid").map(|grid| grid.as_array().context("grid is written [[grid]]")).transpose()?;
         for grid in grids.into_iter().flatten() {
-            check_keys(grid.as_table().context("grid is written [[grid]]")?, &GRID_KEYS, " of [[grid]]")?;
+            let grid = grid.as_table().context("grid is written [[grid]]")?;
+            check_keys(grid, (&GRID_KEYS, " of [[grid]]"), (&KEYS, ", which goes above all [[grid]]"))?;
         }
         // From the text and not from the table: errors then show the line.
         let file: Self = toml::from_str(text).map_err(|e| anyhow!("{}", e.to_string().trim_end()))?;
@@ -103,6 +116,9 @@ impl SweepFile {
                 .iter()
                 .try_for_each(|&n| in_range("max_primitives_in_leaf", Some(n), 1..=65535))?;
         }
+        if let Some(camera) = &file.camera {
+            parse_camera(camera).map_err(|e| anyhow!("camera: {e}"))?;
+        }
         if let Some(budget) = &file.budget {
             parse_duration(budget).map_err(|e| anyhow!("budget: {e}"))?;
         }
@@ -110,17 +126,16 @@ impl SweepFile {
     }
 }
 
-fn check_keys(table: &Table, known: &[&str], of: &str) -> Result<()> {
-    match table.keys().find(|key| !known.contains(&key.as_str())) {
-        None => Ok(()),
-        Some(key) => {
-            let near = did_you_mean(key, known.iter().copied());
-            Err(anyhow!(
-                "\"{key}\" is no key{of}{near}{}",
-                if near.is_empty() { format!("; known are {}", known.join(", ")) } else { String::new() }
-            ))
-        }
-    }
+/// Refuses a key of a table that is not `known`, with the nearest one there, else with the nearest that goes elsewhere.
+fn check_keys(table: &Table, (known, of): (&[&str], &str), (others, place): (&[&str], &str)) -> Result<()> {
+    let Some(key) = table.keys().find(|key| !known.contains(&key.as_str())) else { return Ok(()) };
+    let [near, elsewhere] = [known, others].map(|keys| did_you_mean(key, keys.iter().copied()));
+    let hint = match (near.is_empty(), elsewhere.is_empty()) {
+        (false, _) => near,
+        (true, false) => format!("{elsewhere}{place}").replace("?,", ","),
+        (true, true) => format!("; known are {}", known.join(", ")),
+    };
+    Err(anyhow!("\"{key}\" is no key{of}{hint}"))
 }
 
 #[cfg(test)]
@@ -147,7 +162,7 @@ mod tests {
     #[test]
     fn every_key_is_known() {
         let all = format!(
-            "scenes = []\nray_sets = []\nray_files = []\nrays = 1\njudged_rays = 0\nbudget = \"1s\"\nrounds = 1\n\
+            "scenes = []\nray_sets = []\nray_files = []\ncamera = \"\"\nrays = 1\njudged_rays = 0\nbudget = \"1s\"\nrounds = 1\n\
              pictures = true\ncache = false\n[[grid]]\n{}",
             GRID_KEYS.map(|key| format!("{key} = []\n")).concat()
         );
@@ -163,9 +178,12 @@ mod tests {
             ("[[grid]]\nsimd_width = [\"avx256\"]", "did you mean \"avx2\""),
             ("[[grid]]\nkernels = [\"nave\"]", "did you mean \"naive\"?"),
             ("quux = 1", "known are scenes"),
+            ("split_methd = [\"sah\"]", "did you mean \"split_method\", which goes below [[grid]]"),
+            ("[[grid]]\nray_sets = []", "did you mean \"ray_sets\", which goes above all [[grid]]"),
             ("rays = 0", "rays = 0 is not between 1 and"),
             ("rays = \"many\"", "expected u32"),
             ("budget = \"soon\"", "budget: "),
+            ("camera = \"eye=1,2\"", "camera: "),
             ("[grid]\n", "[[grid]]"),
             ("[[grid]]\nthreads = [0]", "threads = 0"),
             ("rays = ", "line 1"),

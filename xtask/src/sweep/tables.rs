@@ -24,7 +24,7 @@ pub fn print(sweep: &Sweep) {
         println!("\nErrors: not judged (--judged-rays 0, or too many instances for the oracle)");
     }
     print_pictures(sweep);
-    println!("{}", verdict::noise(sweep));
+    println!("noise    {}", verdict::noise(sweep).words);
     println!();
 }
 

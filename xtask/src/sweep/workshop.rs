@@ -7,7 +7,7 @@ use anyhow::{Context, Result};
 use bvh_flat::RaySegment;
 use bvh_flat::bvh_build::TreeStatistics;
 use bvh_flat::primitive::Primitive;
-use scene::{CompiledScene, RaySets, Scene, SceneRay};
+use scene::{Camera, CompiledScene, RaySets, Scene, SceneRay};
 
 use super::configuration::{Layout, TreeName};
 use super::occlusion::Occlusion;
@@ -93,7 +93,7 @@ impl<'a> Workshop<'a> {
 
     fn aim(&self) -> Result<Vec<RaySet>> {
         let compiled = self.default_trees()?;
-        let (camera, bounds) = (input::camera(compiled), compiled.world().world_bound());
+        let (camera, bounds) = (self.camera()?, compiled.world().world_bound());
         let count = if self.plan.ray_sets.is_empty() { 0 } else { self.plan.rays as usize };
         let generated = RaySets::generate(compiled.world(), &bounds, &camera, count, SEED)?;
         let mut sets: Vec<(String, Vec<SceneRay>)> = Vec::new();
@@ -111,6 +111,13 @@ impl<'a> Workshop<'a> {
             rays,
         };
         Ok(sets.into_iter().map(set).collect())
+    }
+
+    /// The scene's camera, with what was asked for.
+    pub fn camera(&self) -> Result<Camera> {
+        let own = input::camera(self.default_trees()?);
+        let Some(text) = &self.plan.camera else { return Ok(own) };
+        own.with_settings(&text.parse()?).map_err(input::usage_error)
     }
 
     /// The trees that rays and exact answers are made with: the library's default, whatever is measured.

@@ -33,6 +33,26 @@ fn a_sweep_file_says_what_is_measured() {
     assert_eq!(list(&["sweep", "--config", "own.toml", "--leaf-size", "2", "--threads", "1"], here).len(), 1);
 }
 
+/// A camera of one's own is a part of the plan and of each row's command. A scene without a mesh has no cache and no map
+/// of leaks, and is measured all the same.
+#[test]
+fn a_camera_looks_at_a_sphere() {
+    let folder = directory();
+    let here = folder.path();
+    std::fs::write(here.join("ball.pbrt"), "WorldBegin\nShape \"sphere\" \"float radius\" 1\n").expect("written");
+    let camera = ["--camera", "eye=0,0,3 look=0,0,0 fov=10"];
+    let arguments = ["sweep", "ball.pbrt", "--quick", "--rounds", "1", "--rays", "64", "--ray-set", "primary", "--out"];
+    let (code, text) = run(&[&arguments[..], &["out"], &camera].concat(), here);
+    assert_eq!(code, 0, "{text}");
+    let lines = read(&here.join("out/results.jsonl"));
+    let first: Value = lines.lines().next().and_then(|line| serde_json::from_str(line).ok()).expect("a line");
+    assert_eq!((&first["rays"], &first["hits"]), (&64.into(), &64.into()), "so near, nothing else is seen");
+    let page = read(&here.join("out/report.html"));
+    assert!(page.contains("--camera 'eye=0,0,3 look=0,0,0 fov=10'") && !page.contains("When a cache pays"));
+    let (code, text) = run(&[&arguments[..], &["out", "--camera", "eye=here"]].concat(), here);
+    assert!(code == 2 && text.contains("eye"), "{text}");
+}
+
 /// An engine's own rays: as many hits as `trace` finds. And batches, which a scene of one mesh can be asked, and calls
 /// from several threads.
 #[test]

@@ -1,6 +1,7 @@
 //! What a sweep prints and writes.
 
 use std::collections::BTreeMap;
+use std::path::Path;
 
 use serde_json::Value;
 
@@ -39,6 +40,9 @@ fn sweep_prints_its_tables_and_writes_its_results() {
     // presets, and compact trees.
     let widths = bvh_flat::SimdWidth::available();
     assert_eq!(lines.lines().count(), 16 * (widths.len() + 5) + 4 * 3);
+    let first: Value = lines.lines().next().and_then(|line| serde_json::from_str(line).ok()).expect("a line");
+    let fields: Vec<&String> = first.as_object().expect("an object").keys().collect();
+    assert_eq!(fields, documented_fields().iter().collect::<Vec<_>>(), "docs/sweep-results.md says all, in order");
     let mut hashes = BTreeMap::new();
     let mut costs: BTreeMap<(String, String), f64> = BTreeMap::new();
     for line in lines.lines() {
@@ -77,6 +81,14 @@ fn sweep_prints_its_tables_and_writes_its_results() {
     let page = read(&latest.join("report.html"));
     assert!(page.contains("watertight kernels: 0 rays lost, in 0 pixels"));
     assert!(page.contains("naive kernels: ") && !page.contains("naive kernels: 0 rays"));
+}
+
+/// What the schema says that a line has.
+fn documented_fields() -> Vec<String> {
+    let docs = read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/sweep-results.md"));
+    let (_, table) = docs.split_once("Fields, in this order").expect("a table of fields");
+    let names = table.lines().filter(|line| line.starts_with("| `")).filter_map(|line| line.split('|').nth(1));
+    names.flat_map(|cell| cell.split('`').skip(1).step_by(2).map(str::to_owned)).collect()
 }
 
 /// Every preset is a way to build, and each makes a tree of its own.
@@ -126,7 +138,7 @@ fn the_report_is_one_file_with_its_numbers() {
         (4, 4),
         "a table under each chart"
     );
-    assert!(count("<svg viewBox=\"0 0 640 400\" role=\"img\"") == 4 && count("<g><title>") > 20, "points have titles");
+    assert!(count("<svg viewBox=\"0 0 520 370\" role=\"img\"") == 4 && count("<g><title>") > 20, "points have titles");
     assert!(count("data:image/png;base64,") >= 4, "pictures are in the page");
     for words in ["prefers-color-scheme: dark", "@media print", "seed", "compiler", "revision", "machine"] {
         assert!(page.contains(words), "{words}");

@@ -12,10 +12,11 @@ use anyhow::Result;
 
 use self::chart::escape;
 use self::figures::{Figure, facts};
-use self::pictures::{Picture, data_uri};
+use self::pictures::Picture;
 use super::plan::Plan;
 use super::rows::Sweep;
 use super::verdict;
+use crate::picture::data_uri;
 use crate::table::count;
 
 const STYLE: &str = include_str!("style.css");
@@ -35,6 +36,9 @@ pub struct Report {
 /// The report of all that was found, with `sections` behind.
 pub fn report(plan: &Plan, sweeps: &[Sweep], made: u64, sections: &[Section]) -> Result<Report> {
     let mut report = Report { html: head(sweeps), files: BTreeMap::new() };
+    if sweeps.iter().filter(|sweep| !sweep.rows.is_empty()).count() > 1 {
+        report.html += &tables::scenes(sweeps);
+    }
     for (number, sweep) in sweeps.iter().enumerate().filter(|(_, sweep)| !sweep.rows.is_empty()) {
         report.add_sweep(number, sweep, sweeps)?;
     }
@@ -60,8 +64,6 @@ fn head(sweeps: &[Sweep]) -> String {
 
 impl Report {
     fn add_sweep(&mut self, number: usize, sweep: &Sweep, all: &[Sweep]) -> Result<()> {
-        let is_alone = all.iter().filter(|other| other.scene == sweep.scene).count() == 1;
-        let on = if is_alone { String::new() } else { format!(", on {}", sweep.host.name) };
         let instanced = sweep.rows.first().map_or(0, |row| row.answers.instanced_primitives);
         let instances = if instanced == sweep.primitives() {
             String::new()
@@ -70,9 +72,9 @@ impl Report {
         };
         let _ = writeln!(
             self.html,
-            "<section><h2>{}{}</h2><p class=\"quiet\">{} primitives{instances}</p>",
-            escape(sweep.scene_name()),
-            escape(&on),
+            "<section id=\"sweep-{}\"><h2>{}</h2><p class=\"quiet\">{} primitives{instances}</p>",
+            number + 1,
+            escape(&sweep.title(all)),
             count(sweep.primitives())
         );
         if let Some(sentence) = verdict::verdict(sweep) {
@@ -85,11 +87,11 @@ impl Report {
             let _ = write!(self.html, "<div><b>{}</b><span>{}</span></div>", escape(&value), escape(&words));
         }
         let noise = verdict::noise(sweep);
-        let class = if noise.contains("NOISY") { "noisy" } else { "quiet" };
+        let class = if noise.is_noisy { "noisy" } else { "quiet" };
         let _ = writeln!(
             self.html,
-            "</div><p class=\"{class}\">{}</p>\n<div class=\"pair\">",
-            escape(noise.trim_start_matches("noise").trim())
+            "</div><p class=\"{class}\">The machine was {}.</p>\n<div class=\"pair\">",
+            escape(&noise.words)
         );
         let figures =
             [figures::front(sweep), figures::occlusion(sweep), figures::quality(sweep), figures::cache(sweep)];
@@ -184,12 +186,8 @@ fn environment(plan: &Plan, sweeps: &[Sweep], made: u64) -> String {
     for host in sweeps.iter().filter(|sweep| !sweep.rows.is_empty()).map(|sweep| sweep.host) {
         if !hosts.contains(&host) {
             hosts.push(host);
-            let load = sweeps.iter().filter(|s| s.host == host).flat_map(|s| &s.rows).find_map(|row| row.timings.load);
-            let load = load.map_or(String::new(), |load| format!("; load {load:.1} at the start"));
-            facts.push((
-                "machine",
-                format!("{}: {}, {} cores, {}{load}", host.name, host.processor, host.cores, host.system),
-            ));
+            facts
+                .push(("machine", format!("{}: {}, {} cores, {}", host.name, host.processor, host.cores, host.system)));
         }
     }
     let program = &plan.program;
@@ -206,6 +204,9 @@ fn environment(plan: &Plan, sweeps: &[Sweep], made: u64) -> String {
             count(plan.judged_rays.into())
         ),
     ));
+    if let Some(camera) = &plan.camera {
+        facts.push(("camera", camera.clone()));
+    }
     facts.push(("written", date(made)));
     let mut text = String::from("<section><h2>How it was measured</h2><dl>");
     for (name, value) in facts {

@@ -27,22 +27,55 @@ fn class(column: usize, words: usize) -> &'static str {
     if column < words { " class=\"word\"" } else { "" }
 }
 
+/// What was found of each scene, on each machine, in one line: where there are several.
+pub fn scenes(sweeps: &[Sweep]) -> String {
+    let header = [
+        "scene",
+        "fastest that keeps its promise",
+        "Mray/s",
+        "wrong and leaks /M",
+        "fastest that promises nothing",
+        "Mray/s",
+        "wrong and leaks /M",
+    ];
+    let of = |row: Option<&Row>| match row {
+        None => ["–", "–", "–"].map(str::to_owned),
+        Some(row) => {
+            let error = if row.is_judged() { row.error() } else { "–".to_owned() };
+            [row.describe(), format!("{:.2}", row.closest_speed()), error]
+        }
+    };
+    let mut text = String::from("<div class=\"scroll\"><table><thead><tr>");
+    let class = |i: usize| if [0, 1, 4].contains(&i) { " class=\"word\"" } else { "" };
+    for (i, name) in header.iter().enumerate() {
+        let _ = write!(text, "<th scope=\"col\"{}>{name}</th>", class(i));
+    }
+    text += "</tr></thead><tbody>";
+    for (number, sweep) in sweeps.iter().enumerate().filter(|(_, sweep)| !sweep.rows.is_empty()) {
+        let name = escape(&sweep.title(sweeps));
+        let _ = write!(text, "<tr><td class=\"word\"><a href=\"#sweep-{}\">{name}</a></td>", number + 1);
+        for (i, cell) in [true, false].into_iter().flat_map(|sound| of(sweep.fastest(sound))).enumerate() {
+            let _ = write!(text, "<td{}>{}</td>", class(i + 1), escape(&cell));
+        }
+        text += "</tr>";
+    }
+    text + "</tbody></table></div>\n"
+}
+
 /// The table of all configurations, each with the command that measures it alone.
 pub fn configurations(sweep: &Sweep) -> String {
     let header = [
-        "split method",
-        "layout",
-        "boxes",
-        "triangles",
+        "configuration",
+        "boxes, triangles",
         "closest Mray/s",
         "any Mray/s",
         "± %",
         "missed /M",
         "false /M",
         "wrong /M",
-        "edge leaks /M",
-        "vertex leaks /M",
-        "corner leaks /M",
+        "leaks at edges /M",
+        "at vertices /M",
+        "at corners /M",
         "t ulp max",
         "self-hits /M",
         "nodes/ray",
@@ -52,14 +85,14 @@ pub fn configurations(sweep: &Sweep) -> String {
     ];
     let mut text = String::from("<div class=\"scroll\"><table class=\"wide\"><thead><tr>");
     for (i, name) in header.iter().enumerate() {
-        let _ = write!(text, "<th scope=\"col\"{}>{name}</th>", class(i, 4));
+        let _ = write!(text, "<th scope=\"col\"{}>{name}</th>", class(i, 2));
     }
     text += "</tr></thead><tbody>\n";
     for row in &sweep.rows {
         let best = if sweep.is_on_front(row) && row.is_judged() { " best" } else { "" };
         let _ = write!(text, "<tr class=\"measured{best}\">");
         for (i, cell) in cells(sweep, row).iter().enumerate() {
-            let _ = write!(text, "<td{}>{}</td>", class(i, 4), escape(cell));
+            let _ = write!(text, "<td{}>{}</td>", class(i, 2), escape(cell));
         }
         let command = escape(&row.command(sweep.plan));
         let _ = writeln!(
@@ -86,10 +119,8 @@ fn cells(sweep: &Sweep, row: &Row) -> Vec<String> {
         found.map_or("–".to_owned(), |(_, leaks, rays)| per_million(*leaks, *rays))
     };
     vec![
-        row.tree.describe(),
-        row.way(),
-        boxes.to_owned(),
-        triangles.to_owned(),
+        format!("{}, {}", row.tree.describe(), row.way()),
+        format!("{boxes}, {triangles}"),
         format!("{:.2}", row.closest_speed()),
         format!("{:.2}", row.any_speed()),
         row.timings.deviation().map_or("–".to_owned(), |d| format!("{:.1}", 100.0 * d)),

@@ -28,21 +28,21 @@ impl Series {
 pub fn marked([x, y]: [f64; 2], series: Series, mark: Mark) -> String {
     let colour = series.colour;
     let body = match mark {
-        Mark::Circle => format!("<circle class=\"mark full c{colour}\" cx=\"{x}\" cy=\"{y}\" r=\"7\"/>"),
+        Mark::Circle => format!("<circle class=\"mark full c{colour}\" cx=\"{x}\" cy=\"{y}\" r=\"6\"/>"),
         Mark::Square => {
             format!(
-                "<rect class=\"mark full c{colour}\" x=\"{}\" y=\"{}\" width=\"12\" height=\"12\"/>",
-                x - 6.0,
-                y - 6.0
+                "<rect class=\"mark full c{colour}\" x=\"{}\" y=\"{}\" width=\"10.4\" height=\"10.4\"/>",
+                x - 5.2,
+                y - 5.2
             )
         }
-        Mark::Triangle => format!("<path class=\"mark full c{colour}\" d=\"M{x} {}l7.5 13h-15z\"/>", y - 8.0),
-        Mark::Cross => format!("<path class=\"mark hollow c{colour}\" d=\"M{x} {}l7 7l-7 7l-7 -7z\"/>", y - 7.0),
+        Mark::Triangle => format!("<path class=\"mark full c{colour}\" d=\"M{x} {}l6.6 11.4h-13.2z\"/>", y - 7.0),
+        Mark::Cross => format!("<path class=\"mark hollow c{colour}\" d=\"M{x} {}l6 6l-6 6l-6 -6z\"/>", y - 6.0),
     };
     if !series.has_dot {
         return body;
     }
-    format!("{body}<circle class=\"dot c{colour}\" cx=\"{x}\" cy=\"{y}\" r=\"2.6\"/>")
+    format!("{body}<circle class=\"dot c{colour}\" cx=\"{x}\" cy=\"{y}\" r=\"2.3\"/>")
 }
 
 /// A mark by itself, for a legend.

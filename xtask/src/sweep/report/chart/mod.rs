@@ -12,12 +12,12 @@ use mark::marked;
 pub use mark::{Mark, Series, legend_mark};
 pub use text::{escape, number};
 
-/// Width and height in its own units, and where the axes are.
-const SIZE: [f64; 2] = [640.0, 400.0];
-const LEFT: f64 = 62.0;
-const RIGHT: f64 = 622.0;
-const TOP: f64 = 16.0;
-const BOTTOM: f64 = 348.0;
+/// Width and height in its own units, and where the axes are: small, so that words are read on a phone too.
+const SIZE: [f64; 2] = [520.0, 370.0];
+const LEFT: f64 = 64.0;
+const RIGHT: f64 = 508.0;
+const TOP: f64 = 14.0;
+const BOTTOM: f64 = 318.0;
 
 /// A chart that is being drawn.
 pub struct Chart {
@@ -42,9 +42,9 @@ impl Chart {
         chart
     }
 
-    /// Keeps a column at the left for points whose x is nothing, with its name.
-    pub fn with_column_aside(mut self, name: &str) -> Self {
-        self.aside = 92.0;
+    /// Keeps a part of the width at the left for points whose x is nothing, with its name.
+    pub fn with_column_aside(mut self, name: &str, part: f64) -> Self {
+        self.aside = (part * (RIGHT - LEFT)).round();
         let (width, height, middle) = (self.aside - 12.0, BOTTOM - TOP, LEFT + 0.5 * (self.aside - 12.0));
         let _ = write!(
             self.body,
@@ -61,7 +61,7 @@ impl Chart {
         let left = LEFT + self.aside;
         let across = match x {
             Ok(value) => left + (RIGHT - left) * self.x.part(value),
-            Err(part) => LEFT + (self.aside - 12.0) * (0.15 + 0.7 * part),
+            Err(part) => LEFT + (self.aside - 12.0) * (0.1 + 0.8 * part),
         };
         [across, BOTTOM - (BOTTOM - TOP) * self.y.part(y)].map(|v| (10.0 * v).round() / 10.0)
     }
@@ -84,28 +84,30 @@ impl Chart {
                 number(tick)
             );
         }
-        let mut last = f64::MIN;
+        // Where the last number ends.
+        let mut end = f64::MIN;
         for tick in self.x.ticks() {
             let [x, _] = self.place(Ok(tick), self.y.range[0]);
             let _ = write!(self.body, "<line class=\"grid\" x1=\"{x}\" x2=\"{x}\" y1=\"{TOP}\" y2=\"{BOTTOM}\"/>");
-            // Numbers that would touch are left out.
-            if x - last >= 44.0 {
-                last = x;
+            // Numbers that would touch, in the larger letters of a phone, are left out.
+            let (text, digit) = (number(tick), 9.0);
+            let half = 0.5 * digit * text.chars().count() as f64;
+            if x - half >= end + digit {
+                end = x + half;
                 let _ = write!(
                     self.body,
-                    "<text class=\"tick\" x=\"{x}\" y=\"{}\" text-anchor=\"middle\">{}</text>",
-                    BOTTOM + 18.0,
-                    number(tick)
+                    "<text class=\"tick\" x=\"{x}\" y=\"{}\" text-anchor=\"middle\">{text}</text>",
+                    BOTTOM + 18.0
                 );
             }
         }
-        let middle = 0.5 * (LEFT + self.aside + RIGHT);
+        let middle = 0.5 * (LEFT + RIGHT);
         let _ = write!(
             self.body,
             "<path class=\"axis\" d=\"M{LEFT} {TOP}V{BOTTOM}H{RIGHT}\"/>\
              <text x=\"{middle}\" y=\"{}\" text-anchor=\"middle\">{}</text>\
-             <text transform=\"translate(15 {}) rotate(-90)\" text-anchor=\"middle\">{}</text>",
-            BOTTOM + 40.0,
+             <text transform=\"translate(16 {}) rotate(-90)\" text-anchor=\"middle\">{}</text>",
+            BOTTOM + 42.0,
             escape(&self.x.label),
             0.5 * (TOP + BOTTOM),
             escape(&self.y.label)
@@ -145,15 +147,15 @@ impl Chart {
         let _ = write!(self.body, "<g><title>{}</title>{}</g>", escape(text), marked(place, series, mark));
     }
 
-    /// A word at a point, to the side on which there is room.
+    /// A word above a point, to the side on which there is room.
     pub fn label(&mut self, x: Result<f64, f64>, y: f64, text: &str) {
         let [x, y] = self.place(x, y);
-        let (x, anchor) = if x > 0.7 * RIGHT { (x - 11.0, "end") } else { (x + 11.0, "start") };
+        let (x, anchor) = if x > 0.6 * RIGHT { (x + 4.0, "end") } else { (x - 4.0, "start") };
         let _ = write!(
             self.body,
             "<text x=\"{x}\" y=\"{}\" text-anchor=\"{anchor}\" stroke=\"var(--page)\" stroke-width=\"4\" \
              paint-order=\"stroke\">{}</text>",
-            y + 4.0,
+            y - 11.0,
             escape(text)
         );
     }

@@ -2,12 +2,13 @@
 
 use super::super::chart::number;
 use crate::errors::per_million;
-use crate::sweep::configuration::{Calls, Promise, Traversal};
+use crate::sweep::configuration::{Calls, Promise};
 use crate::sweep::rows::Sweep;
 
 /// Every figure in numbers: what speed costs in errors, for the facts at the top.
 pub fn facts(sweep: &Sweep) -> Vec<(String, String)> {
     let mut facts = Vec::new();
+    let fastest = sweep.fastest(true).map_or(0.0, |row| row.closest_speed());
     if let Some(row) = sweep.fastest(true) {
         facts.push((
             format!("{:.2} Mray/s", row.closest_speed()),
@@ -29,7 +30,7 @@ pub fn facts(sweep: &Sweep) -> Vec<(String, String)> {
         }
     }
     if let Some(row) = sweep.fastest(false) {
-        facts.push((number(row.error_rate()), format!("wrong answers and leaks a million rays of {}", row.describe())));
+        facts.push((row.error(), format!("wrong answers and leaks a million rays of {}", row.describe())));
     }
     if let Some(build) = sweep.builds().iter().min_by(|a, b| a.timings.build().total_cmp(&b.timings.build())) {
         facts.push((
@@ -41,9 +42,10 @@ pub fn facts(sweep: &Sweep) -> Vec<(String, String)> {
     if exact.1 > 1 {
         facts.push((format!("{} rows", exact.1), "of exact kernels gave the same answers, bit for bit".to_owned()));
     }
-    let batch = sweep.rows.iter().find(|row| matches!(row.traversal, Traversal::Wide { calls: Calls::Batch, .. }));
-    if let Some(row) = batch {
-        facts.push((format!("{:.2} Mray/s", row.closest_speed()), format!("in batches: {}", row.describe())));
+    // Not everybody can ask in batches, or on all threads.
+    let single = sweep.fastest_of(|row| row.traversal.promise().is_some() && row.traversal.calls() == Calls::Single);
+    if let Some(row) = single.filter(|row| row.closest_speed() < fastest) {
+        facts.push((format!("{:.2} Mray/s", row.closest_speed()), format!("one ray a call: {}", row.describe())));
     }
     facts
 }

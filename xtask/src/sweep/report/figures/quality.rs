@@ -16,7 +16,7 @@ pub fn quality(sweep: &Sweep) -> Option<Figure> {
         nodes + tests
     };
     let x = Axis::over("build, ms", Scale::Log, builds.iter().map(|row| 1e3 * row.timings.build()));
-    let y = Axis::over("nodes visited and primitives tested a ray", Scale::Linear, builds.iter().map(|row| cost(row)));
+    let y = Axis::over("nodes and tests a ray", Scale::Linear, builds.iter().map(|row| cost(row)));
     let mut chart = Chart::new("Build time against tree quality", x, y).axes();
     let mut numbers = Vec::new();
     for row in &builds {
