@@ -105,8 +105,8 @@ impl Oracle for NotHit {
     }
 }
 
-/// Of each closed mesh, rays from inside, and of each other, rays at its seams: `count` in all for each aim, by the
-/// meshes' numbers of triangles.
+/// Of each closed mesh, rays from inside, and of each other, rays at its seams that hit it by exact arithmetic: `count`
+/// in all for each aim, by the meshes' numbers of triangles.
 fn leak_tests(compiled: &CompiledScene, count: usize) -> Vec<LeakTest> {
     let meshes = compiled.meshes().iter().map(|mesh| mesh.mesh());
     let triangles: usize = meshes.clone().map(|mesh| mesh.len()).sum();
@@ -115,8 +115,14 @@ fn leak_tests(compiled: &CompiledScene, count: usize) -> Vec<LeakTest> {
         let share = (count * mesh.len()).div_ceil(triangles.max(1));
         let mut random = Random::new(SEED, i as u64);
         if !scene::meshes::is_closed(mesh) {
-            let sets = rays_at_seams(mesh, share, &mut random).into_iter().filter(|(_, rays)| !rays.is_empty());
-            tests.extend(sets.map(|(aim, rays)| LeakTest { mesh: i, aim, rays, reach: Interval::up_to(REACH) }));
+            let (oracle, reach) = (MeshOracle::new(mesh), Interval::up_to(REACH));
+            for (aim, rays) in rays_at_seams(mesh, share, &mut random) {
+                let is_hit = |ray: &Ray| oracle.any(ray, reach, &mut Tally::default());
+                let rays: Vec<Ray> = rays.into_par_iter().filter(is_hit).collect();
+                if !rays.is_empty() {
+                    tests.push(LeakTest { mesh: i, aim, rays, reach });
+                }
+            }
             continue;
         }
         let inside = points_inside(mesh, &mut random);
