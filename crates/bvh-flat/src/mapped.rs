@@ -14,7 +14,7 @@ use std::io;
 use std::ops::{Deref, Range};
 use std::sync::Arc;
 
-use memmap2::{Mmap, MmapMut};
+use memmap2::{Mmap, MmapMut, MmapOptions};
 
 use crate::wide::Line;
 
@@ -25,7 +25,7 @@ impl Map {
     pub(crate) fn new(file: &File) -> io::Result<Self> {
         // SAFETY: the bytes must not change while they are mapped. That is the condition under which the feature `mmap`
         // and the functions that map are offered, and no function of this library writes to an existing file.
-        unsafe { Mmap::map(file) }.map(|map| Self(Arc::new(map)))
+        unsafe { MmapOptions::new().populate().map(file) }.map(|map| Self(Arc::new(map)))
     }
 
     /// How many bytes there are.

@@ -27,6 +27,9 @@ pub(crate) fn sum_of_pieces(bytes: &[u8]) -> u128 {
 }
 
 /// Fills `to` from `offset` of the source on, and sums it up while it is in the processor's caches.
+///
+/// Rejected: to do so in blocks of 128 KiB, which the second level of these has room for. A load of 82 MB took 52.1 ms,
+/// and 51.5 without (best of 44).
 pub(crate) fn read_and_sum(source: &impl Source, offset: u64, to: &mut [u8]) -> io::Result<u128> {
     let read = |(i, piece): (usize, &mut [u8])| -> io::Result<u128> {
         source.read_exact_at(offset + (i * PIECE) as u64, piece)?;

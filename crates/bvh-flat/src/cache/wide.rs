@@ -60,7 +60,7 @@ impl WideMesh {
     ) -> Result<Self, CacheError> {
         let mesh = mesh.into();
         let geometry = GeometryKey::of_mesh(&mesh);
-        Self::read(&OpenFile::open(path.as_ref())?, mesh, geometry, options)
+        Self::read(&OpenFile::open(path.as_ref())?, read_arena, mesh, geometry, options)
     }
 
     /// Loads the tree from the bytes of a file.
@@ -74,7 +74,7 @@ impl WideMesh {
     ) -> Result<Self, CacheError> {
         let mesh = mesh.into();
         let geometry = GeometryKey::of_mesh(&mesh);
-        Self::read(&bytes, mesh, geometry, options)
+        Self::read(&bytes, read_arena, mesh, geometry, options)
     }
 
     /// Loads the tree without copying it: the file is mapped into memory, with the same checks, and processes that map
@@ -95,11 +95,7 @@ impl WideMesh {
     ) -> Result<Self, CacheError> {
         let mesh = mesh.into();
         let geometry = GeometryKey::of_mesh(&mesh);
-        let file = OpenFile::open(path.as_ref())?;
-        let header = Header::read(&file)?;
-        wide_layout(&header)?;
-        header.expect(Some(geometry), options)?;
-        Self::assemble(mesh, &header, map_arena(&file, &header)?)
+        Self::read(&OpenFile::open(path.as_ref())?, map_arena, mesh, geometry, options)
     }
 
     /// Loads the tree of such a build from the file; where there is none or it is refused, builds the tree and saves
@@ -114,12 +110,37 @@ impl WideMesh {
         config: &BuildConfig,
         layout: WideLayout,
     ) -> Result<Cached<Self>, BuildError> {
-        let mesh = mesh.into();
+        Self::take_or_build(path.as_ref(), read_arena, mesh.into(), config, layout)
+    }
+
+    /// [`load_or_build`](Self::load_or_build), but that a file which is good is mapped, as [`map`](Self::map) does, with
+    /// its risk. A tree that had to be built is in the memory of this process; from the next call on it is shared.
+    ///
+    /// # Errors
+    /// As [`load_or_build`](Self::load_or_build).
+    #[cfg(all(feature = "mmap", feature = "build"))]
+    pub fn map_or_build(
+        path: impl AsRef<Path>,
+        mesh: impl Into<Arc<TriangleMesh>>,
+        config: &BuildConfig,
+        layout: WideLayout,
+    ) -> Result<Cached<Self>, BuildError> {
+        Self::take_or_build(path.as_ref(), map_arena, mesh.into(), config, layout)
+    }
+
+    #[cfg(feature = "build")]
+    fn take_or_build(
+        path: &Path,
+        arena: impl Fn(&OpenFile, &Header) -> Result<Arena, CacheError>,
+        mesh: Arc<TriangleMesh>,
+        config: &BuildConfig,
+        layout: WideLayout,
+    ) -> Result<Cached<Self>, BuildError> {
         let geometry = GeometryKey::of_mesh(&mesh);
         let options = TreeOptions::new(config, TreeLayout::Wide(layout));
         load_or_build(
-            path.as_ref(),
-            |path| Self::read(&OpenFile::open(path)?, Arc::clone(&mesh), geometry, Some(&options)),
+            path,
+            |path| Self::read(&OpenFile::open(path)?, arena, Arc::clone(&mesh), geometry, Some(&options)),
             || Self::build_observed(Arc::clone(&mesh), config, layout, &()),
             |tree, path| tree.save_as(path, &options, geometry),
         )
@@ -153,23 +174,20 @@ impl WideMesh {
         })
     }
 
-    fn read(
-        source: &impl Source,
+    /// The tree of a file whose arena comes from `arena`.
+    fn read<S: Source>(
+        source: &S,
+        arena: impl Fn(&S, &Header) -> Result<Arena, CacheError>,
         mesh: Arc<TriangleMesh>,
         geometry: GeometryKey,
         options: Option<&TreeOptions>,
     ) -> Result<Self, CacheError> {
         let header = Header::read(source)?;
-        wide_layout(&header)?;
+        let layout = wide_layout(&header)?;
         header.expect(Some(geometry), options)?;
-        Self::assemble(mesh, &header, read_arena(source, &header)?)
-    }
-
-    fn assemble(mesh: Arc<TriangleMesh>, header: &Header, arena: Arena) -> Result<Self, CacheError> {
-        let layout = wide_layout(header)?;
-        let tree = tree(header, arena);
+        let tree = tree(&header, arena(source, &header)?);
         let found = validated(&tree, &mesh, layout)?;
-        check_counts(header, &found, &tree, mesh.len() as u64)?;
+        check_counts(&header, &found, &tree, mesh.len() as u64)?;
         Ok(Self::from_triangles(Triangles { mesh, tree }, layout))
     }
 }

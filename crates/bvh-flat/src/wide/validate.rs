@@ -4,9 +4,11 @@
 //! begins where the one before it ended: then no line has two owners and none is without, there is no cycle, and
 //! subtrees can be looked through in parallel.
 
+mod batch;
 mod error;
 mod walk;
 
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicU8, Ordering};
 
 use geometry::TriangleMesh;
@@ -16,7 +18,8 @@ use rayon::prelude::*;
 use super::arena::LEAF_LINES;
 use super::collapse::WideTree;
 use super::triangles::CheckedLayout;
-use crate::simd::SimdWidth;
+use crate::simd::{SimdWidth, prefetch};
+use batch::See;
 pub use error::InvalidWideTree;
 pub(crate) use walk::WideCounts;
 use walk::{Checker, Subtree, Walk};
@@ -30,14 +33,7 @@ use walk::{Checker, Subtree, Walk};
 /// checksum.
 pub(crate) fn validate<Y: CheckedLayout>(tree: &WideTree, mesh: &TriangleMesh) -> Result<WideCounts, InvalidWideTree> {
     let mut seen: Vec<AtomicU8> = (0..mesh.len()).map(|_| AtomicU8::new(0)).collect();
-    // Threads that see the same primitive at once may both find it new; then more references are counted than
-    // primitives.
-    let see = |primitive: u32| {
-        let is_new = |seen: &AtomicU8| seen.load(Ordering::Relaxed) == 0;
-        let seen = seen.get(primitive as usize).filter(|seen| tree.is_split || is_new(seen));
-        seen.map(|seen| seen.store(1, Ordering::Relaxed)).is_some()
-    };
-    let mut counts = whole_tree::<Y>(tree, Some(mesh), &see)?;
+    let mut counts = whole_tree::<Y>(tree, Some(mesh), &Marks { seen: &seen, is_split: tree.is_split })?;
     let distinct: u64 = seen.iter_mut().map(|seen| u64::from(*seen.get_mut())).sum();
     counts.repeats = repeats(tree, &counts, distinct)?;
     if distinct != mesh.len() as u64 {
@@ -49,19 +45,54 @@ pub(crate) fn validate<Y: CheckedLayout>(tree: &WideTree, mesh: &TriangleMesh) -
     Ok(counts)
 }
 
+/// A byte for each primitive, 1 where it was seen.
+struct Marks<'a> {
+    seen: &'a [AtomicU8],
+    is_split: bool,
+}
+
+impl See for Marks<'_> {
+    #[inline(always)]
+    fn prefetch(&self, primitive: u32) {
+        if let Some(seen) = self.seen.get(primitive as usize) {
+            prefetch(seen);
+        }
+    }
+
+    /// Threads that see the same primitive at once may both find it new; then more references are counted than
+    /// primitives.
+    #[inline(always)]
+    fn see(&self, primitive: u32) -> bool {
+        let is_new = |seen: &AtomicU8| seen.load(Ordering::Relaxed) == 0;
+        let seen = self.seen.get(primitive as usize).filter(|seen| self.is_split || is_new(seen));
+        seen.map(|seen| seen.store(1, Ordering::Relaxed)).is_some()
+    }
+}
+
+/// All that were seen, of primitives of which nothing but their number is known.
+struct Listed {
+    seen: Mutex<Vec<u32>>,
+    primitive_count: u64,
+}
+
+impl See for Listed {
+    fn prefetch(&self, _: u32) {}
+
+    fn see(&self, primitive: u32) -> bool {
+        let exists = u64::from(primitive) < self.primitive_count;
+        exists && self.seen.lock().map(|mut seen| seen.push(primitive)).is_ok()
+    }
+}
+
 /// The same without the mesh, as far as it goes: compact leaves have no vertices then, and nobody knows which of the
 /// `primitive_count` primitives can be hit.
 pub(crate) fn validate_alone<Y: CheckedLayout>(
     tree: &WideTree,
     primitive_count: u64,
 ) -> Result<WideCounts, InvalidWideTree> {
-    let seen = std::sync::Mutex::new(Vec::new());
-    let see = |primitive: u32| {
-        let exists = u64::from(primitive) < primitive_count;
-        exists && seen.lock().map(|mut seen| seen.push(primitive)).is_ok()
-    };
-    let mut counts = whole_tree::<Y>(tree, None, &see)?;
-    let mut seen: Vec<u32> = seen.into_inner().unwrap_or_default();
+    let listed = Listed { seen: Mutex::default(), primitive_count };
+    let mut counts = whole_tree::<Y>(tree, None, &listed)?;
+    let mut seen: Vec<u32> = listed.seen.into_inner().unwrap_or_default();
     seen.sort_unstable();
     seen.dedup();
     counts.repeats = repeats(tree, &counts, seen.len() as u64)?;
@@ -81,7 +112,7 @@ fn repeats(tree: &WideTree, counts: &WideCounts, primitives: u64) -> Result<u64,
 fn whole_tree<Y: CheckedLayout>(
     tree: &WideTree,
     mesh: Option<&TriangleMesh>,
-    see: &(impl Fn(u32) -> bool + Sync),
+    see: &(impl See + Sync),
 ) -> Result<WideCounts, InvalidWideTree> {
     let lines = tree.arena.all();
     let Some((lines, tail)) = lines.split_last_chunk::<LEAF_LINES>() else { return Err(InvalidWideTree::Tail) };

@@ -140,10 +140,12 @@ const DAMAGES: [(&str, [&str; 2], Damage); 22] = [
         let (leaf, count) = root.leaf(f);
         f.set(leaf + root.first_id(count), 0x3f80_0000_u32.wrapping_add(1 << 20));
     }),
-    ("another primitive", ["Vertices", "Leaf"], |f, root| {
-        let (leaf, count) = root.leaf(f);
-        let other = f.get(leaf + root.first_id(count)) ^ 1;
-        f.set(leaf + root.first_id(count), other);
+    ("the primitives of two leaves, exchanged", ["Vertices", "Leaf"], |f, root| {
+        let last = Node { at: ARENA + LINE * f.get(root.last_node(f)) as usize, ..root };
+        let [a, b] = [root.leaf(f), last.leaf(f)].map(|(leaf, count)| leaf + root.first_id(count));
+        let (first, other) = (f.get(a), f.get(b));
+        f.set(a, other);
+        f.set(b, first);
     }),
     ("something behind a leaf", ["Leaf"; 2], |f, root| {
         let (leaf, count) = root.leaf(f);

@@ -1,7 +1,7 @@
 //! What [`WideNode::write`] never writes.
 
 use super::{CompactNode, FullNode, WideNode};
-use crate::simd::LANES;
+use crate::simd::{LANES, Lanes};
 
 /// A node that tells whether `write` could have written it.
 pub(crate) trait CheckedNode: WideNode {
@@ -10,20 +10,20 @@ pub(crate) trait CheckedNode: WideNode {
     const IS_NESTED: bool;
 
     /// Whether everything is as `write` leaves it for `count` children, but the references and the planes of those.
-    fn is_canonical(&self, count: usize) -> bool;
+    fn is_canonical<L: Lanes>(&self, count: usize) -> bool;
 }
 
 impl CheckedNode for FullNode {
     const IS_NESTED: bool = true;
 
     #[inline(always)]
-    fn is_canonical(&self, count: usize) -> bool {
-        let empty = [f32::INFINITY.to_bits(), f32::NEG_INFINITY.to_bits()];
-        let mut is_canonical = are_permutations(&self.rows[7]);
+    fn is_canonical<L: Lanes>(&self, count: usize) -> bool {
+        let mut empty = L::eq_u32(L::load_u32(&self.rows[6]), L::splat_u32(0));
         for (i, row) in self.rows[..6].iter().enumerate() {
-            is_canonical &= row[count.min(LANES)..].iter().all(|&x| x == empty[i & 1]);
+            let plane = if i % 2 == 0 { f32::INFINITY } else { f32::NEG_INFINITY };
+            empty &= L::eq_u32(L::load_u32(row), L::splat_u32(plane.to_bits()));
         }
-        is_canonical & self.rows[6][count.min(LANES)..].iter().all(|&child| child == 0)
+        (empty | ((1 << count) - 1)) & 0xff == 0xff && are_permutations(&self.rows[7])
     }
 }
 
@@ -31,32 +31,31 @@ impl CheckedNode for CompactNode {
     const IS_NESTED: bool = false;
 
     #[inline(always)]
-    fn is_canonical(&self, count: usize) -> bool {
+    fn is_canonical<L: Lanes>(&self, count: usize) -> bool {
         let [x, y, z, zero] = self.exponents;
         let mut is_canonical = are_permutations(&self.orders) & (zero == 0);
         is_canonical &= [x, y, z].iter().all(|exponent| (1..=253).contains(exponent));
-        for row in &self.steps {
-            is_canonical &= row[count.min(LANES)..].iter().all(|&step| step == 0);
-        }
-        is_canonical & self.children[count.min(LANES)..].iter().all(|&child| child == 0)
+        let steps = self.steps.iter().fold(0, |all, &row| all | u64::from_le_bytes(row));
+        is_canonical &= steps.checked_shr(8 * count as u32).unwrap_or(0) == 0;
+        let empty = L::eq_u32(L::load_u32(&self.children), L::splat_u32(0));
+        is_canonical & ((empty | ((1 << count) - 1)) & 0xff == 0xff)
     }
 }
 
-/// Whether each octant's numbers of all lanes are 0 to 7 in some order. For all octants at once: bit 3 · octant of
-/// `hit` is set where some lane has the number there; eight lanes that have eight numbers have each once.
+/// Whether each octant's numbers of all lanes are 0 to 7 in some order: eight lanes that have eight numbers have each
+/// once.
 #[inline(always)]
 fn are_permutations(orders: &[u32; LANES]) -> bool {
-    const FIRST_BITS: u32 = 0o1111_1111;
-    let mut all_hit = FIRST_BITS;
-    for number in 0..LANES as u32 {
-        let mut hit = 0;
-        for order in orders {
-            let equal = !(order ^ (number * FIRST_BITS));
-            hit |= equal & equal >> 1 & equal >> 2;
+    // A byte for each octant, of the first four and of the others, in which lane i has the bit that is its number.
+    let [mut first, mut last, mut above] = [0; 3];
+    for &order in orders {
+        for octant in 0..4 {
+            first |= 1_u32 << (8 * octant) << (order >> (3 * octant) & 7);
+            last |= 1_u32 << (8 * octant) << (order >> (12 + 3 * octant) & 7);
         }
-        all_hit &= hit;
+        above |= order >> 24;
     }
-    all_hit == FIRST_BITS && orders.iter().all(|order| order >> 24 == 0)
+    (first & last) == u32::MAX && above == 0
 }
 
 #[cfg(test)]

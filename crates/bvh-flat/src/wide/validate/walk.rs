@@ -5,16 +5,20 @@ use std::marker::PhantomData;
 use geometry::{Bounds3, TriangleMesh};
 
 use super::InvalidWideTree;
-use crate::simd::{Kernel, LANES, LEAF_NUMBERS, Lanes, prefetch};
+use super::batch::{Batch, Leaf, See};
+use crate::simd::{Kernel, LANES, Lanes};
 use crate::wide::arena::{Arena, Child};
 use crate::wide::collapse::WideTree;
 use crate::wide::node::{CheckedNode, WideNode};
 use crate::wide::traverse::MAX_WIDE_DEPTH;
-use crate::wide::triangles::{CheckedLayout, Scratch};
+use crate::wide::triangles::CheckedLayout;
 
 /// Planes of quantised boxes lie within four times the domain: no box is more than twice as large as what is in it. The
 /// box test does not overflow there.
 const MAX_PLANE: f32 = (1_u64 << 62) as f32;
+
+/// Lines are asked for so far ahead.
+const AHEAD: usize = 64;
 
 /// What a tree consists of.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -59,101 +63,40 @@ impl Subtree {
     }
 }
 
-/// The vertices of a mesh come from anywhere in memory: a leaf's triangles are asked for when it is met, their vertices
-/// when as many others as half of these have been, and they are looked at when all have been. Without it a third of the
-/// time is spent waiting.
-const AWAITED: usize = 32;
-
-/// Leaves whose triangles are still to be looked at.
-struct Awaited {
-    leaves: [Subtree; AWAITED],
-    /// How many leaves have been met.
-    met: usize,
-}
-
 /// What subtrees are looked through with.
 pub(super) struct Checker<'a, Y, S> {
     arena: &'a Arena,
     is_split: bool,
     mesh: Option<&'a TriangleMesh>,
-    /// Is shown each primitive; whether there is such a one, and it was not seen before.
+    /// Is shown each primitive.
     see: &'a S,
     layout: PhantomData<fn() -> Y>,
 }
 
-impl<'a, Y: CheckedLayout, S: Fn(u32) -> bool> Checker<'a, Y, S> {
+impl<'a, Y: CheckedLayout, S: See> Checker<'a, Y, S> {
     pub(super) fn new(tree: &'a WideTree, mesh: Option<&'a TriangleMesh>, see: &'a S) -> Self {
         Self { arena: &tree.arena, is_split: tree.is_split, mesh, see, layout: PhantomData }
     }
 
-    /// The line behind a leaf, whose triangles are looked at when they have come from memory.
+    /// The line behind a leaf, whose triangles are looked at later, with many others.
     #[inline(always)]
-    fn leaf<L: Lanes>(&self, leaf: &Subtree, awaited: &mut Awaited) -> Result<usize, InvalidWideTree> {
+    fn leaf<L: Lanes>(&self, leaf: &Subtree, batch: &mut Batch) -> Result<usize, InvalidWideTree> {
         let (place, count) = (leaf.child.place(), leaf.child.count());
-        let words = Y::word_count(count);
-        let behind = place + words.div_ceil(16);
-        let stored = self.arena.leaf(place).filter(|_| behind <= leaf.end);
-        let Some(stored) = stored else {
+        let behind = place + Y::word_count(count).div_ceil(16);
+        let Some(stored) = self.arena.leaf(place).filter(|_| behind <= leaf.end) else {
             return Err(InvalidWideTree::OutOfRange { line: place, end: leaf.end });
         };
-        for primitive in (0..count).map(|i| Y::id(stored, count, i)) {
-            if !(self.see)(primitive) {
-                return Err(InvalidWideTree::Primitive { leaf: place, primitive });
-            }
-            if let Some(triangle) = self.mesh.and_then(|mesh| mesh.triangles().get(primitive as usize)) {
-                prefetch(triangle);
-            }
-        }
-        let padding = stored[words.min(LEAF_NUMBERS)..].iter().take(16 * words.div_ceil(16) - words);
-        if padding.fold(0, |all, x| all | x.to_bits()) != 0 {
-            return Err(InvalidWideTree::Leaf { leaf: place });
-        }
-        awaited.met += 1;
-        awaited.leaves[awaited.met % AWAITED] = *leaf;
-        if awaited.met > AWAITED / 2 {
-            self.prefetch_vertices(&awaited.leaves[(awaited.met - AWAITED / 2) % AWAITED]);
-        }
-        // The one whose place the next will take.
-        if awaited.met >= AWAITED {
-            self.triangles::<L>(&awaited.leaves[(awaited.met + 1) % AWAITED])?;
+        self.arena.prefetch(place + AHEAD);
+        batch.add(Leaf { place, count, within: leaf.within }, &Y::ids(stored, count));
+        if batch.is_full() {
+            self.check::<L>(batch)?;
         }
         Ok(behind)
     }
 
-    /// Asks for the vertices of a leaf's triangles, which are there by now.
     #[inline(always)]
-    fn prefetch_vertices(&self, leaf: &Subtree) {
-        let (Some(mesh), count) = (self.mesh, leaf.child.count()) else { return };
-        let Some(stored) = self.arena.leaf(leaf.child.place()) else { return };
-        for id in (0..count).map(|i| Y::id(stored, count, i)) {
-            let triangle = mesh.triangles().get(id as usize).copied().unwrap_or_default();
-            triangle.into_iter().filter_map(|i| mesh.positions().get(i as usize)).for_each(prefetch);
-        }
-    }
-
-    /// Whether the triangles of a leaf are in its boxes, as large as it says, and those of the mesh.
-    #[inline(always)]
-    fn triangles<L: Lanes>(&self, leaf: &Subtree) -> Result<(), InvalidWideTree> {
-        let (place, count) = (leaf.child.place(), leaf.child.count());
-        let Some(stored) = self.arena.leaf(place) else {
-            return Err(InvalidWideTree::OutOfRange { line: place, end: leaf.end });
-        };
-        let mut scratch = Y::Scratch::new();
-        let block = Y::block(stored, count, self.mesh, &mut scratch);
-        if block.is_some_and(|block| !is_within::<L>(block, count, &leaf.within, self.is_split)) {
-            return Err(InvalidWideTree::Leaf { leaf: place });
-        }
-        match self.mesh {
-            Some(mesh) if !Y::equals_mesh(stored, count, mesh) => Err(InvalidWideTree::Vertices { leaf: place }),
-            _ => Ok(()),
-        }
-    }
-
-    /// Looks at those that are still awaited.
-    #[inline(always)]
-    fn rest<L: Lanes>(&self, awaited: &Awaited) -> Result<(), InvalidWideTree> {
-        let first = (awaited.met + 2).saturating_sub(AWAITED).max(1);
-        (first..=awaited.met).try_for_each(|i| self.triangles::<L>(&awaited.leaves[i % AWAITED]))
+    fn check<L: Lanes>(&self, batch: &mut Batch) -> Result<(), InvalidWideTree> {
+        batch.check::<L, Y>(self.arena, self.mesh, self.see, self.is_split)
     }
 
     /// Looks at a node and its leaves, and puts the subtrees below it on the stack, the first on top.
@@ -163,14 +106,14 @@ impl<'a, Y: CheckedLayout, S: Fn(u32) -> bool> Checker<'a, Y, S> {
         at: &Subtree,
         pending: &mut Vec<Subtree>,
         counts: &mut WideCounts,
-        awaited: &mut Awaited,
+        batch: &mut Batch,
     ) -> Result<(), InvalidWideTree> {
         let line = at.child.line();
         let begin = line + Y::Node::LINES;
         let node = self.arena.lines(line).filter(|_| begin <= at.end).and_then(Y::Node::read);
         let Some(node) = node else { return Err(InvalidWideTree::OutOfRange { line, end: at.end }) };
         let count = node.children().iter().position(|&child| child == 0).unwrap_or(LANES);
-        if count < 2 || !node.is_canonical(count) {
+        if count < 2 || !node.is_canonical::<L>(count) {
             return Err(InvalidWideTree::Node { node: line });
         }
         if at.depth >= MAX_WIDE_DEPTH {
@@ -190,7 +133,7 @@ impl<'a, Y: CheckedLayout, S: Fn(u32) -> bool> Checker<'a, Y, S> {
             if leaf.child.place() != next {
                 return Err(misplaced(line, leaf.child.place(), next, at.end));
             }
-            next = self.leaf::<L>(&leaf, awaited)?;
+            next = self.leaf::<L>(&leaf, batch)?;
             counts.leaves += 1;
             counts.references += leaf.child.count() as u64;
         }
@@ -253,26 +196,6 @@ fn boxes_within<L: Lanes, N: CheckedNode>(node: &N, count: usize, within: &[f32;
     (valid == (1 << count) - 1).then_some(boxes)
 }
 
-/// Whether the vertices of a leaf's triangles are between planes, or with spatial splits on both sides at most; and its
-/// first number is one ulp more than the largest extent of any of them.
-#[inline(always)]
-fn is_within<L: Lanes>(block: &[f32; LEAF_NUMBERS], count: usize, within: &[f32; 6], is_split: bool) -> bool {
-    let all = (1 << count) - 1;
-    let mut valid = all;
-    let mut extent = L::splat(0.0);
-    for axis in 0..3 {
-        let [low, high] = [0, 1].map(|side| L::splat(within[2 * axis + side]));
-        let [a, b, c] = L::load_vertices(block, count, axis);
-        let (min, max) = (L::min(L::min(a, b), c), L::max(L::max(a, b), c));
-        // NaN is not equal to itself, and min and max do not keep it.
-        valid &= L::le(a, a) & L::le(b, b) & L::le(c, c);
-        valid &= if is_split { L::le(low, max) & L::le(min, high) } else { L::le(low, min) & L::le(max, high) };
-        extent = L::max(extent, L::sub(max, min));
-    }
-    let largest = L::splat(block[0].next_down());
-    valid & L::le(extent, largest) & all == all && L::le(largest, extent) & all != 0
-}
-
 /// Goes through subtrees, but not those of fewer than `leave` lines: they come out.
 pub(super) struct Walk<'a, Y, S> {
     pub(super) checker: &'a Checker<'a, Y, S>,
@@ -280,20 +203,28 @@ pub(super) struct Walk<'a, Y, S> {
     pub(super) leave: usize,
 }
 
-impl<Y: CheckedLayout, S: Fn(u32) -> bool> Kernel for Walk<'_, Y, S> {
+impl<Y: CheckedLayout, S: See> Kernel for Walk<'_, Y, S> {
     type Output = Result<(WideCounts, Vec<Subtree>), InvalidWideTree>;
 
     #[inline(always)]
     fn run<L: Lanes>(mut self) -> Self::Output {
+        let mut batch = Batch::new();
+        let walked = self.walk::<L>(&mut batch);
+        // Leaves that were met before a fault come before it.
+        self.checker.check::<L>(&mut batch)?;
+        walked
+    }
+}
+
+impl<Y: CheckedLayout, S: See> Walk<'_, Y, S> {
+    #[inline(always)]
+    fn walk<L: Lanes>(&mut self, batch: &mut Batch) -> Result<(WideCounts, Vec<Subtree>), InvalidWideTree> {
         let mut counts = WideCounts::default();
         let mut left = Vec::new();
-        let Some(&first) = self.pending.first() else { return Ok((counts, left)) };
-        let mut awaited = Awaited { leaves: [first; AWAITED], met: 0 };
         while let Some(subtree) = self.pending.pop() {
             if subtree.child.is_leaf() {
                 // Only the root comes here.
-                let behind =
-                    if subtree.child.place() == 0 { self.checker.leaf::<L>(&subtree, &mut awaited)? } else { 0 };
+                let behind = if subtree.child.place() == 0 { self.checker.leaf::<L>(&subtree, batch)? } else { 0 };
                 if behind != subtree.end {
                     return Err(misplaced(0, subtree.child.place(), behind, subtree.end));
                 }
@@ -302,10 +233,9 @@ impl<Y: CheckedLayout, S: Fn(u32) -> bool> Kernel for Walk<'_, Y, S> {
             } else if subtree.end - subtree.child.line() < self.leave {
                 left.push(subtree);
             } else {
-                self.checker.node::<L>(&subtree, &mut self.pending, &mut counts, &mut awaited)?;
+                self.checker.node::<L>(&subtree, &mut self.pending, &mut counts, batch)?;
             }
         }
-        self.checker.rest::<L>(&awaited)?;
         Ok((counts, left))
     }
 }
