@@ -94,10 +94,11 @@ pub fn configurations(sweep: &Sweep) -> String {
         for (i, cell) in cells(sweep, row).iter().enumerate() {
             let _ = write!(text, "<td{}>{}</td>", class(i, 2), escape(cell));
         }
-        let command = escape(&row.command(sweep.plan));
+        // Between options, and not at a hyphen within one.
+        let command = escape(&row.command(sweep.plan)).replace(" --", "</span> <span>--");
         let _ = writeln!(
             text,
-            "</tr><tr class=\"command\"><td colspan=\"{}\"><code>{command}</code></td></tr>",
+            "</tr><tr class=\"command\"><td colspan=\"{}\"><code><span>{command}</span></code></td></tr>",
             header.len()
         );
     }
