@@ -5,7 +5,8 @@ use geometry::Bounds3;
 use crate::depth::{MAX_DEPTH, MAX_PRIMITIVES};
 use crate::prim_info::{Extent, PrimInfo};
 use crate::recursive::{Group, Rules};
-use crate::subtree::Subtree;
+use crate::room::Room;
+use crate::subtree::{SEQUENTIAL, Subtree};
 use crate::{
     BuildConfig, BuildError, BuildObserver, Cancelled, ClippedBounds, Node, Phase, ProgressReporter, SpatialSplits,
     SplitMethod, Tree, TreeStatistics, binned, hlbvh, merge, reinsertion, spatial, tiny,
@@ -73,21 +74,30 @@ fn build_clipped(
     // With reinsertion: which primitives a leaf should have is known better from below.
     let max_in_leaf = if config.reinsertion.is_some() { 1 } else { config.max_primitives_in_leaf };
     let growth = config.with_max_primitives_in_leaf(max_in_leaf);
-    let (mut nodes, mut order) = match splits {
+    let may_merge = config.reinsertion.is_some() && config.max_primitives_in_leaf > 1;
+    // In a tree whose space is split no leaf of so few reaches beyond a block.
+    let merging = (may_merge && config.max_primitives_in_leaf as usize <= SEQUENTIAL).then_some(config);
+    let (mut nodes, mut order, is_merged) = match splits {
         Some((splits, clipped)) if active > 0 => {
             prims.truncate(active + splits.room(active));
             let of_tiny = |index: u32, to: &Bounds3| tiny::clipped(clipped, index, to);
             let clipped = if is_tiny { &of_tiny } else { clipped };
-            grow_split(&mut prims, active, &splits, clipped, &growth, observer)?
+            let (nodes, order) = grow_split(prims, active, &splits, clipped, &growth, merging, observer)?;
+            (nodes, order, merging.is_some())
         }
-        _ => grow(&mut prims[..active], &growth, observer)?,
+        _ => {
+            let (nodes, order) = grow(&mut prims[..active], &growth, observer)?;
+            drop(prims);
+            (nodes, order, false)
+        }
     };
-    drop(prims);
     if let Some(options) = &config.reinsertion {
         let most = reinsertion::most_examined(nodes.len(), options);
         (nodes, order) = ProgressReporter::observe(observer, Phase::Reinsertion, most, |progress| {
             // Before and not after: the trees cost the same, and a third of the build's time is saved.
-            let (nodes, order) = merge::leaves(nodes, order, config, progress)?;
+            if may_merge && !is_merged {
+                (nodes, order) = merge::leaves(&nodes, &order, config, progress)?;
+            }
             reinsertion::optimize(nodes, order, options, observer, progress)
         })?;
     }
@@ -136,30 +146,34 @@ fn grow(prims: &mut [PrimInfo], config: &BuildConfig, observer: &dyn BuildObserv
     if binned::is_for(config) {
         let (root, order) =
             recursion(observer, prims.len(), |progress| binned::grow(prims, &Rules::new(config, MAX_DEPTH, progress)))?;
-        return assembly(root, order.len(), |place| order[place], observer);
+        return assembly(root, order.len(), |place| order[place], None, observer);
     }
     let root = recursion(observer, prims.len(), |progress| {
         let rules = Rules::new(config, MAX_DEPTH, progress);
         Subtree::grow(Group::new(prims, 0, &rules)?, 1, progress)
     })?;
-    assembly(root, prims.len(), |place| prims[place].index(), observer)
+    assembly(root, prims.len(), |place| prims[place].index(), None, observer)
 }
 
-/// As [`grow`], where space may be split: the first `count` of `room` are references to all of the primitives.
+/// As [`grow`], where space may be split: the first `count` of `room` are references to all of the primitives; and with
+/// leaves merged, if so.
 fn grow_split(
-    room: &mut [PrimInfo],
+    mut room: Room<PrimInfo>,
     count: usize,
     splits: &SpatialSplits,
     clipped: &ClippedBounds,
     config: &BuildConfig,
+    merging: Option<&BuildConfig>,
     observer: &dyn BuildObserver,
 ) -> Result<Parts, Cancelled> {
     let root = recursion(observer, room.len(), |progress| {
         let extent = Extent::of_many(&room[..count], progress)?;
         let setting = spatial::Setting::new(Rules::new(config, MAX_DEPTH, progress), splits, clipped, &extent);
-        Subtree::grow(spatial::Group::new(room, count, extent, &setting), 1, progress)
+        Subtree::grow(spatial::Group::new(&mut room, count, extent, &setting), 1, progress)
     })?;
-    assembly(root, room.len(), |place| room[place].index(), observer)
+    let indices: Vec<u32> = room.iter().map(PrimInfo::index).collect();
+    drop(room); // Nothing takes more memory than the nodes of now and these.
+    assembly(root, indices.len(), |place| indices[place], merging, observer)
 }
 
 fn recursion<T>(
@@ -175,10 +189,12 @@ fn assembly(
     root: Subtree,
     count: usize,
     index: impl Fn(usize) -> u32,
+    merging: Option<&BuildConfig>,
     observer: &dyn BuildObserver,
 ) -> Result<Parts, Cancelled> {
-    ProgressReporter::observe(observer, Phase::Assembly, root.node_count(), |progress| {
-        root.assemble(count, index, progress)
+    ProgressReporter::observe(observer, Phase::Assembly, root.node_count(), |progress| match merging {
+        Some(config) => root.assemble_merged(count, index, config, progress),
+        None => root.assemble(count, index, progress),
     })
 }
 

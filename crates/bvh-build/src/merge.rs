@@ -1,59 +1,77 @@
 //! Leaves of several primitives, where these cost less than a subtree.
 
+use std::ops::Range;
+
 use crate::subtree::append_leaf;
 use crate::{BuildConfig, Cancelled, Node, NodeKind, ProgressReporter};
 
-/// The tree of `nodes` and `order` with each subtree made a leaf whose primitives are cheaper to test at once, and fit
-/// a leaf: the largest such subtrees, of equal costs the leaf. Costs are those of the surface area heuristic.
+/// The tree of `nodes` and `order` with [merged](append) leaves.
 pub(crate) fn leaves(
-    mut nodes: Vec<Node>,
-    old_order: Vec<u32>,
+    nodes: &[Node],
+    order: &[u32],
     config: &BuildConfig,
     progress: &ProgressReporter,
 ) -> Result<(Vec<Node>, Vec<u32>), Cancelled> {
-    if config.max_primitives_in_leaf == 1 {
-        return Ok((nodes, old_order));
-    }
-    let subtrees = rate(&nodes, config, progress)?;
-    let mut kept = 0;
-    let mut order = Vec::with_capacity(old_order.len());
+    let (mut merged, mut merged_order) = (Vec::new(), Vec::with_capacity(order.len()));
+    append(nodes, &|place| order[place], config, &mut merged, &mut merged_order, progress)?;
+    Ok((merged, merged_order))
+}
+
+/// Appends a subtree, whose second children are relative to its first node, with each subtree made a leaf whose
+/// primitives are cheaper to test at once, and fit a leaf: the largest such subtrees, of equal costs the leaf. Costs
+/// are those of the surface area heuristic. `index` is that of the primitive at a place of a leaf's range.
+pub(crate) fn append(
+    subtree: &[Node],
+    index: &impl Fn(usize) -> u32,
+    config: &BuildConfig,
+    nodes: &mut Vec<Node>,
+    order: &mut Vec<u32>,
+    progress: &ProgressReporter,
+) -> Result<(), Cancelled> {
+    let rated = rate(subtree, config, progress)?;
     // Interior nodes whose second child is to come, the next one last: where they were to find it, and where they are.
     let mut pending: Vec<(usize, usize)> = Vec::new();
     let mut next = 0;
-    while next < nodes.len() {
-        progress.check_step(kept)?;
+    while next < subtree.len() {
+        progress.check_step(next)?;
+        let here = nodes.len();
         if let Some((_, parent)) = pending.pop_if(|&mut (second, _)| second == next)
             && let NodeKind::Interior { second_child, .. } = &mut nodes[parent].kind
         {
-            *second_child = kept as u32;
+            *second_child = here as u32;
         }
-        let (node, subtree) = (nodes[next], &subtrees[next]);
+        let (node, rated) = (subtree[next], &rated[next]);
         let kind = match node.kind {
-            NodeKind::Interior { second_child, .. } if !subtree.is_leaf => {
-                pending.push((second_child as usize, kept));
+            NodeKind::Interior { second_child, .. } if !rated.is_leaf => {
+                pending.push((second_child as usize, here));
                 next += 1;
                 node.kind
             }
             _ => {
-                next += subtree.node_count as usize;
-                let primitives = &old_order[subtree.first as usize..][..subtree.count as usize];
-                let (first, count) = append_leaf(&mut order, primitives.iter().copied());
+                let below = &subtree[next..][..rated.node_count as usize];
+                next += below.len();
+                let (first, count) = append_leaf(order, below.iter().flat_map(places).map(index));
                 NodeKind::Leaf { first, count }
             }
         };
-        nodes[kept] = Node { kind, ..node };
-        kept += 1;
+        nodes.push(Node { kind, ..node });
     }
-    nodes.truncate(kept);
-    Ok((nodes, order))
+    Ok(())
+}
+
+/// The places of a leaf's primitives.
+fn places(node: &Node) -> Range<usize> {
+    match node.kind {
+        NodeKind::Leaf { first, count } => first as usize..first as usize + count as usize,
+        NodeKind::Interior { .. } => 0..0,
+    }
 }
 
 /// What is below a node.
 #[derive(Clone, Copy, Default)]
 struct Subtree {
     node_count: u32,
-    /// The range of its primitives.
-    first: u32,
+    /// How many primitives it has.
     count: u32,
     /// Whether it becomes a leaf, or is one.
     is_leaf: bool,
@@ -69,16 +87,14 @@ fn rate(nodes: &[Node], config: &BuildConfig, progress: &ProgressReporter) -> Re
         let area = node.bounds.surface_area();
         let as_leaf = |count: u32| area * config.cost_of_leaf(count);
         subtrees[i] = match node.kind {
-            NodeKind::Leaf { first, count } => {
-                Subtree { node_count: 1, first, count, is_leaf: true, cost: as_leaf(count) }
-            }
+            NodeKind::Leaf { count, .. } => Subtree { node_count: 1, count, is_leaf: true, cost: as_leaf(count) },
             NodeKind::Interior { second_child, .. } => {
                 let [a, b] = [subtrees[i + 1], subtrees[second_child as usize]];
                 let count = a.count + b.count;
                 let split = area * t_trav + a.cost + b.cost;
                 let is_leaf = count <= config.max_primitives_in_leaf && as_leaf(count) <= split;
                 let cost = if is_leaf { as_leaf(count) } else { split };
-                Subtree { node_count: 1 + a.node_count + b.node_count, first: a.first, count, is_leaf, cost }
+                Subtree { node_count: 1 + a.node_count + b.node_count, count, is_leaf, cost }
             }
         };
     }
@@ -128,8 +144,8 @@ mod tests {
                 for (t_trav, t_isect, t_leaf) in [(0.5, 1.0, 0.0), (2.0, 1.0, 0.0), (0.0, 1.0, 0.0), (0.3, 0.1, 1.5)] {
                     let config = BuildConfig::default().with_max_primitives_in_leaf(leaf);
                     let config = config.with_costs(t_trav, t_isect).with_leaf_cost(t_leaf);
-                    let (nodes, order) = leaves(fine.nodes().to_vec(), fine.order().to_vec(), &config, &progress)
-                        .expect("nobody cancels");
+                    let (nodes, order) =
+                        leaves(fine.nodes(), fine.order(), &config, &progress).expect("nobody cancels");
                     let coarse = crate::Tree::new(nodes, order, [n as usize; 2], &config, &progress);
                     let coarse = coarse.expect("nobody cancels");
                     let statistics = coarse.statistics();

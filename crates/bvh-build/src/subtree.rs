@@ -3,10 +3,10 @@
 use geometry::{Axis, Bounds3};
 
 use crate::parallel::join;
-use crate::{Cancelled, Node, NodeKind, ProgressReporter};
+use crate::{BuildConfig, Cancelled, Node, NodeKind, ProgressReporter, merge};
 
 /// Up to this many primitives a subtree is grown by one thread into one block of nodes.
-const SEQUENTIAL: usize = 2048;
+pub(crate) const SEQUENTIAL: usize = 2048;
 
 /// A set of primitives that will be a subtree.
 pub(crate) trait Part: Send + Sized {
@@ -192,43 +192,74 @@ impl Subtree {
         index: impl Fn(usize) -> u32,
         progress: &ProgressReporter,
     ) -> Result<(Vec<Node>, Vec<u32>), Cancelled> {
-        let mut nodes = Vec::with_capacity(self.node_count());
-        let mut order = Vec::with_capacity(count);
-        self.append_to(&mut nodes, &mut order, &index, progress)?;
-        Ok((nodes, order))
+        let mut assembled = Assembled {
+            nodes: Vec::with_capacity(self.node_count()),
+            order: Vec::with_capacity(count),
+            index,
+            merging: None,
+            progress,
+        };
+        assembled.append(self)?;
+        Ok((assembled.nodes, assembled.order))
     }
 
-    // Node indices and places in the order fit 32 bits, since there are at most MAX_PRIMITIVES.
-    fn append_to(
+    /// The same with leaves [merged](merge::append) block by block, so that there is never room for all small ones.
+    pub(crate) fn assemble_merged(
         self,
-        nodes: &mut Vec<Node>,
-        order: &mut Vec<u32>,
-        index: &impl Fn(usize) -> u32,
+        count: usize,
+        index: impl Fn(usize) -> u32,
+        config: &BuildConfig,
         progress: &ProgressReporter,
-    ) -> Result<(), Cancelled> {
-        match self {
-            Self::Block { nodes: block, .. } => {
-                progress.update(block.len())?;
+    ) -> Result<(Vec<Node>, Vec<u32>), Cancelled> {
+        // Merged leaves have two primitives and more, on average.
+        let (nodes, order) = (Vec::with_capacity(count), Vec::with_capacity(count));
+        let mut assembled = Assembled { nodes, order, index, merging: Some(config), progress };
+        assembled.append(self)?;
+        assembled.nodes.shrink_to_fit();
+        Ok((assembled.nodes, assembled.order))
+    }
+}
+
+/// A tree in one array, as far as it is assembled.
+struct Assembled<'a, I> {
+    nodes: Vec<Node>,
+    order: Vec<u32>,
+    index: I,
+    /// By which leaves are merged, if so.
+    merging: Option<&'a BuildConfig>,
+    progress: &'a ProgressReporter<'a>,
+}
+
+impl<I: Fn(usize) -> u32> Assembled<'_, I> {
+    // Node indices and places in the order fit 32 bits, since there are at most MAX_PRIMITIVES.
+    fn append(&mut self, subtree: Subtree) -> Result<(), Cancelled> {
+        match subtree {
+            Subtree::Block { nodes: block, .. } => {
+                self.progress.update(block.len())?;
+                let Self { nodes, order, index, merging, progress } = self;
+                if let Some(config) = merging {
+                    return merge::append(&block, index, config, nodes, order, progress);
+                }
                 let offset = nodes.len() as u32;
                 nodes.extend(block.into_iter().map(|mut node| {
                     match &mut node.kind {
                         NodeKind::Interior { second_child, .. } => *second_child += offset,
                         NodeKind::Leaf { first, count } => {
                             let places = *first as usize..*first as usize + *count as usize;
-                            (*first, *count) = append_leaf(order, places.map(index));
+                            (*first, *count) = append_leaf(order, places.map(&*index));
                         }
                     }
                     node
                 }));
             }
-            Self::Interior { axis, bounds, children, .. } => {
-                progress.update(1)?;
-                let here = nodes.len();
+            Subtree::Interior { axis, bounds, children, .. } => {
+                self.progress.update(1)?;
+                let here = self.nodes.len();
                 let [a, b] = *children;
-                nodes.push(interior(bounds, axis));
-                a.append_to(nodes, order, index, progress)?;
-                nodes[here].kind = NodeKind::Interior { axis, second_child: nodes.len() as u32 };
-                b.append_to(nodes, order, index, progress)?;
+                self.nodes.push(interior(bounds, axis));
+                self.append(a)?;
+                self.nodes[here].kind = NodeKind::Interior { axis, second_child: self.nodes.len() as u32 };
+                self.append(b)?;
             }
         }
         Ok(())
