@@ -76,26 +76,26 @@ fn build_clipped(
     let growth = config.with_max_primitives_in_leaf(max_in_leaf);
     let may_merge = config.reinsertion.is_some() && config.max_primitives_in_leaf > 1;
     // In a tree whose space is split no leaf of so few reaches beyond a block.
-    let merging = (may_merge && config.max_primitives_in_leaf as usize <= SEQUENTIAL).then_some(config);
-    let (mut nodes, mut order, is_merged) = match splits {
+    let is_within_blocks = splits.is_some() && config.max_primitives_in_leaf as usize <= SEQUENTIAL;
+    let merging = (may_merge && is_within_blocks).then_some(config);
+    let (mut nodes, mut order) = match splits {
         Some((splits, clipped)) if active > 0 => {
             prims.truncate(active + splits.room(active));
             let of_tiny = |index: u32, to: &Bounds3| tiny::clipped(clipped, index, to);
             let clipped = if is_tiny { &of_tiny } else { clipped };
-            let (nodes, order) = grow_split(prims, active, &splits, clipped, &growth, merging, observer)?;
-            (nodes, order, merging.is_some())
+            grow_split(prims, active, &splits, clipped, &growth, merging, observer)?
         }
         _ => {
-            let (nodes, order) = grow(&mut prims[..active], &growth, observer)?;
+            let grown = grow(&mut prims[..active], &growth, observer)?;
             drop(prims);
-            (nodes, order, false)
+            grown
         }
     };
     if let Some(options) = &config.reinsertion {
         let most = reinsertion::most_examined(nodes.len(), options);
         (nodes, order) = ProgressReporter::observe(observer, Phase::Reinsertion, most, |progress| {
             // Before and not after: the trees cost the same, and a third of the build's time is saved.
-            if may_merge && !is_merged {
+            if may_merge && merging.is_none() {
                 (nodes, order) = merge::leaves(&nodes, &order, config, progress)?;
             }
             reinsertion::optimize(nodes, order, options, observer, progress)
@@ -192,9 +192,8 @@ fn assembly(
     merging: Option<&BuildConfig>,
     observer: &dyn BuildObserver,
 ) -> Result<Parts, Cancelled> {
-    ProgressReporter::observe(observer, Phase::Assembly, root.node_count(), |progress| match merging {
-        Some(config) => root.assemble_merged(count, index, config, progress),
-        None => root.assemble(count, index, progress),
+    ProgressReporter::observe(observer, Phase::Assembly, root.node_count(), |progress| {
+        root.assemble(count, index, merging, progress)
     })
 }
 

@@ -186,34 +186,20 @@ impl Subtree {
     /// All nodes in depth-first order without gaps, and the primitives in the order of the leaves, within a leaf by
     /// index. Since no split depends on the order of its primitives, nothing in the tree does. `index` is that of the
     /// primitive at a place of the builder's array, which has so many.
+    ///
+    /// With `merging`, leaves are [merged](merge::append) by it block by block, so that there is never room for all
+    /// small ones twice.
     pub(crate) fn assemble(
         self,
         count: usize,
         index: impl Fn(usize) -> u32,
-        progress: &ProgressReporter,
-    ) -> Result<(Vec<Node>, Vec<u32>), Cancelled> {
-        let mut assembled = Assembled {
-            nodes: Vec::with_capacity(self.node_count()),
-            order: Vec::with_capacity(count),
-            index,
-            merging: None,
-            progress,
-        };
-        assembled.append(self)?;
-        Ok((assembled.nodes, assembled.order))
-    }
-
-    /// The same with leaves [merged](merge::append) block by block, so that there is never room for all small ones.
-    pub(crate) fn assemble_merged(
-        self,
-        count: usize,
-        index: impl Fn(usize) -> u32,
-        config: &BuildConfig,
+        merging: Option<&BuildConfig>,
         progress: &ProgressReporter,
     ) -> Result<(Vec<Node>, Vec<u32>), Cancelled> {
         // Merged leaves have two primitives and more, on average.
-        let (nodes, order) = (Vec::with_capacity(count), Vec::with_capacity(count));
-        let mut assembled = Assembled { nodes, order, index, merging: Some(config), progress };
+        let room = if merging.is_some() { count } else { self.node_count() };
+        let (nodes, order) = (Vec::with_capacity(room), Vec::with_capacity(count));
+        let mut assembled = Assembled { nodes, order, index, merging, progress };
         assembled.append(self)?;
         assembled.nodes.shrink_to_fit();
         Ok((assembled.nodes, assembled.order))

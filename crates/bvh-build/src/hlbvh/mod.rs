@@ -66,6 +66,6 @@ fn build_coded<C: Coded>(
     })?;
     // The treelets have left the primitives' indices there.
     ProgressReporter::observe(observer, Phase::Assembly, root.node_count(), |progress| {
-        root.assemble(n, |place| coded[place].number(), progress)
+        root.assemble(n, |place| coded[place].number(), None, progress)
     })
 }
