@@ -9,7 +9,7 @@ use bvh_flat::geometry::{
 use bvh_flat::primitive::{
     GeometricPrimitive, MaterialId, MediumInterface, Primitive, PrimitiveList, Surface, TransformedPrimitive,
 };
-use bvh_flat::{BuildConfig, BvhAggregate, MeshBvh, SplitMethod};
+use bvh_flat::{BuildConfig, BvhAggregate, MeshBvh, SplitMethod, WideMesh};
 
 use crate::support::{Random, rays_at};
 
@@ -94,6 +94,38 @@ fn nested_instances_in_trees_answer_as_lists_do() {
         }
         assert!(hits > 500, "{hits}");
     }
+}
+
+/// The world bound of an instance within an instance is asked by a ray that was rounded to f32, and must not cut off
+/// what the ray of f64 meets in its planes, where the faces of the cube lie. The inner one mirrors, so that its bound
+/// is as tight as the cube's.
+#[test]
+fn bounds_of_nested_instances_change_no_hit() {
+    let positions = (0..8).map(|i| Vec3::from_array([1, 2, 4].map(|bit| if i & bit == 0 { -1.0 } else { 1.0 })));
+    let faces = [[0, 1, 3, 2], [4, 5, 7, 6], [0, 1, 5, 4], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]];
+    let triangles = faces.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect::<Vec<_>>();
+    let cube = TriangleMesh::new(positions.collect::<Vec<_>>(), triangles).expect("indices are in range");
+    let cube = Arc::new(WideMesh::build(cube, &BuildConfig::default()).expect("the configuration is valid"));
+    let shared = GeometricPrimitive::new(Arc::clone(&cube), material(), MediumInterface::VACUUM);
+    let mut random = Random::new(8);
+    let mut hits = 0;
+    for _ in 0..500 {
+        let inner = Transform::scale([-1.0, 2.0, 1.0]).expect("not flat");
+        let outer = random_transform(&mut random);
+        let nested = TransformedPrimitive::new(TransformedPrimitive::new(shared.clone(), inner), outer);
+        for _ in 0..50 {
+            let target = random.vector().with_z(1.0).as_dvec3();
+            let way = random.vector().as_dvec3();
+            let from = inner.point(target - f64::from(random.unit()).powi(4) * way);
+            let origin = outer.point(from).as_vec3();
+            let Some(ray) = TraversalRay::new(&Ray::new(origin, outer.vector(way).as_vec3())) else { continue };
+            let within = outer.ray_to_object(&ray).and_then(|ray| inner.ray_to_object(&ray)).expect("finite");
+            let (a, b) = (nested.intersect(&ray, Interval::FULL), cube.intersect(&within, Interval::FULL));
+            assert_eq!(a, b, "{ray:?}");
+            hits += usize::from(a.is_some());
+        }
+    }
+    assert!(hits > 10_000, "{hits}");
 }
 
 /// A million instances of one mesh: 2 · 10¹⁰ triangles in memory of the order of the instances.

@@ -172,10 +172,33 @@ impl TraversalRay {
     ///
     /// Never `None` for a box that the exact ray meets within the closed interval, and never a larger entry for a box
     /// than for one inside of it: rounding is monotone, and both widen in the same way. The entry is at least `t_min`
-    /// and at most the exact one. Zero, −0.0 and denormal components need no case of their own: a plane that gives NaN
-    /// (0 · ∞: the origin lies in the plane, the ray runs along it) does not bound the ray.
+    /// and at most the exact one, that of the f64 ray where it [is rounded](Self::is_rounded). Zero, −0.0 and denormal
+    /// components need no case of their own: a plane that gives NaN (0 · ∞: the origin lies in the plane, the ray runs
+    /// along it) does not bound the ray.
     #[inline]
     pub fn enter(&self, bounds: &Bounds3, interval: Interval) -> Option<f32> {
+        if self.is_rounded { self.enter_f32(&self.grown(bounds), interval) } else { self.enter_f32(bounds, interval) }
+    }
+
+    /// The box with room for what was rounded off a ray of f64.
+    ///
+    /// It grows by more than the origin moved. The direction is wrong by one rounding, u relatively, and the padding of
+    /// 12 u has room for it beside its own 4 u. Near 2¹²⁷ its own are 10 u, since reciprocals are denormal; near 2⁻¹²⁷
+    /// the direction is, and wrong by 4 u. Smaller components have no finite reciprocal: f32::MAX, which is less,
+    /// stands for it where the ray enters, and nothing bounds it where it leaves.
+    fn grown(&self, bounds: &Bounds3) -> Bounds3 {
+        let o = self.origin.truncate();
+        // u |o| is how far the origin moved, u (|b| + w) how far the new plane is rounded: 4u and more are for each. An
+        // empty box, whose planes are infinite, stays one.
+        let width = |b: Vec3| {
+            let width = (o.abs() + b.abs()) * (2.0 * f32::EPSILON) + Vec3::splat(f32::MIN_POSITIVE);
+            width.min(Vec3::splat(f32::MAX))
+        };
+        Bounds3::new(bounds.min - width(bounds.min), bounds.max + width(bounds.max))
+    }
+
+    #[inline(always)]
+    fn enter_f32(&self, bounds: &Bounds3, interval: Interval) -> Option<f32> {
         let mut entry = interval.t_min();
         let mut exit = interval.t_max().min(f32::MAX);
         for i in 0..3 {
@@ -282,7 +305,32 @@ mod tests {
     fn empty_boxes_are_never_entered() {
         for d in [[1.0, 0.0, 0.0], [0.3, -0.4, 0.5], [-0.0, 0.0, -1.0]] {
             assert!(ray([0.0; 3], d).enter(&Bounds3::EMPTY, Interval::FULL).is_none());
+            let direction = Vec3::from(d).as_dvec3();
+            let rounded = TraversalRay::from_f64(DVec3::splat(0.1), direction, 0.0).expect("a valid ray");
+            assert!(rounded.is_rounded() && rounded.enter(&Bounds3::EMPTY, Interval::FULL).is_none());
         }
+    }
+
+    /// The smallest boxes around points of a ray of f64, near its origin and far: all are met, and not too late.
+    #[test]
+    fn what_was_rounded_off_a_ray_loses_no_box() {
+        let mut lost_in_f32 = 0;
+        for i in 1..2000 {
+            let number = |k: i32| (f64::from(i) * 0.618_033_988_75 * f64::from(k)).fract() - 0.5;
+            let origin = DVec3::new(number(1), number(3), number(7)) * 40.0;
+            let direction = DVec3::new(number(2), number(5), number(11)) * 3.0;
+            let ray = TraversalRay::from_f64(origin, direction, 0.0).expect("a valid ray");
+            for t in [0.0, 1e-6, 1e-3, 0.1, 10.0] {
+                let p = origin + t * direction;
+                let low = Vec3::from_array(p.to_array().map(crate::round_down));
+                let high = Vec3::from_array(p.to_array().map(crate::round_up));
+                let point = Bounds3::new(low, high);
+                let entry = ray.enter(&point, Interval::FULL);
+                assert!(entry.is_some_and(|entry| f64::from(entry) <= t), "{entry:?} {t} {ray:?}");
+                lost_in_f32 += usize::from(ray.enter_f32(&point, Interval::FULL).is_none_or(|e| f64::from(e) > t));
+            }
+        }
+        assert!(lost_in_f32 > 1000, "{lost_in_f32}");
     }
 
     #[test]
