@@ -37,7 +37,7 @@ fn agree(a: &dyn Shape, b: &dyn Shape, mesh: &Arc<TriangleMesh>) -> usize {
 }
 
 fn bounds(mesh: &TriangleMesh) -> Vec<Bounds3> {
-    (0..mesh.len()).map(|i| mesh.triangle_bounds(i)).collect()
+    (0..mesh.len()).map(|i| mesh.watertight_bounds(i)).collect()
 }
 
 /// Flat, waving, rolled up, torn to pieces, and all in one point.

@@ -60,7 +60,7 @@ impl MeshBvh {
         observer: &dyn BuildObserver,
     ) -> Result<Self, BuildError> {
         let mesh = mesh.into();
-        let bounds = observed_collect(observer, Phase::Bounds, mesh.len(), |i| mesh.triangle_bounds(i))?;
+        let bounds = observed_collect(observer, Phase::Bounds, mesh.len(), |i| mesh.watertight_bounds(i))?;
         let bvh = FlatBvh::build(&bounds, config, observer)?;
         let order = bvh.order();
         let ordered_vertices =
@@ -68,14 +68,14 @@ impl MeshBvh {
         Ok(Self::of(MeshTree { mesh, bvh, ordered_vertices }))
     }
 
-    /// Joins a mesh and a tree over its triangles' bounds.
+    /// Joins a mesh and a tree over its triangles' [bounds](TriangleMesh::watertight_bounds).
     ///
     /// # Errors
     /// [`InvalidBvh::Geometry`] where the tree does not fit the mesh: not built over as many primitives, a leaf that
     /// does not contain its triangles, an active triangle that no leaf has, or space that was split.
     pub fn from_parts(mesh: impl Into<Arc<TriangleMesh>>, bvh: FlatBvh) -> Result<Self, InvalidBvh> {
         let mesh = mesh.into();
-        bvh.validate_against(mesh.len(), |i| mesh.triangle_bounds(i))?;
+        bvh.validate_against(mesh.len(), |i| mesh.watertight_bounds(i))?;
         let ordered_vertices = bvh.order().iter().map(|&i| mesh.vertices(i as usize)).collect();
         Ok(Self::of(MeshTree { mesh, bvh, ordered_vertices }))
     }

@@ -46,5 +46,7 @@ pub use shape::{Shape, SurfacePoint};
 pub use sphere::{Sphere, SphereError};
 pub use transform::{Transform, TransformError};
 pub use traversal_ray::{Shear, TraversalRay};
-pub use triangle::{TriangleHit, intersect_triangle, triangle_bounds, triangle_surface_point};
+pub use triangle::{
+    TriangleHit, intersect_triangle, triangle_bounds, triangle_surface_point, watertight_triangle_bounds,
+};
 pub use triangle_mesh::{MeshError, TriangleMesh};

@@ -47,7 +47,7 @@ fn hit_of(ray: &TraversalRay, vertices: &[Vec3; 3], interval: Interval) -> Optio
     if t >= interval.t_max() {
         return None;
     }
-    let entry = ray.enter(&triangle_bounds(vertices), interval)?;
+    let entry = ray.enter(&watertight_triangle_bounds(vertices), interval)?;
     let t = t.max(entry);
     if !interval.contains(t) {
         return None;
@@ -56,28 +56,44 @@ fn hit_of(ray: &TraversalRay, vertices: &[Vec3; 3], interval: Interval) -> Optio
     Some(TriangleHit { t, u: b[1] as f32, v: b[2] as f32 })
 }
 
-/// The box of a triangle, grown by 2⁻²¹ of its largest extent: with it, no box test loses a hit of the triangle test.
+/// The box of a triangle: no exact decision needs more.
+///
+/// Not [valid](Bounds3::is_valid) where a coordinate is NaN, infinite or beyond [`MAX_COORDINATE`].
+#[inline(always)] // A call would write the vertices to memory and read them back in other pieces: a third of the time.
+pub fn triangle_bounds(vertices: &[Vec3; 3]) -> Bounds3 {
+    match corners(vertices) {
+        Some([min, max]) => Bounds3::new(min, max),
+        None => Bounds3::from_points(*vertices),
+    }
+}
+
+/// The box of a triangle, grown by 2⁻²¹ of its largest extent: with it, no box test loses a hit of
+/// [`intersect_triangle`].
 ///
 /// A vertex is displaced by the roundings of its sheared coordinates, by at most 2u |pₓ| + 4u |Sₓ p_z| with u = 2⁻²⁴
 /// and p its position relative to the origin. Relative to the hit h, |pₓ| <= |hₓ| + L and |Sₓ p_z| <= |hₓ| + L for the
 /// largest extent L, so the triangle may seem hit up to 6u |hₓ| + 6u L beside itself. The first part is in the ray's
 /// padding; the second, which a far vertex of a long triangle brings, must be in the box: 8u L, rounded outward.
 ///
-/// Not [valid](Bounds3::is_valid) where a coordinate is NaN, infinite or beyond [`MAX_COORDINATE`].
-#[inline(always)] // A call would write the vertices to memory and read them back in other pieces: a third of the time.
-pub fn triangle_bounds(vertices: &[Vec3; 3]) -> Bounds3 {
-    let (a, b, c) = (Vec3A::from(vertices[0]), Vec3A::from(vertices[1]), Vec3A::from(vertices[2]));
+/// Not [valid](Bounds3::is_valid) where [`triangle_bounds`] is not.
+#[inline(always)]
+pub fn watertight_triangle_bounds(vertices: &[Vec3; 3]) -> Bounds3 {
+    let Some([min, max]) = corners(vertices) else { return Bounds3::from_points(*vertices) };
     let limit = Vec3A::splat(MAX_COORDINATE);
-    // False for NaN.
-    let is_valid = a.abs().cmple(limit) & b.abs().cmple(limit) & c.abs().cmple(limit);
-    if !is_valid.all() {
-        return Bounds3::from_points(*vertices);
-    }
-    let (min, max) = (a.min(b).min(c), a.max(b).max(c));
     let growth = Vec3A::splat((max - min).max_element() * (4.0 * f32::EPSILON));
     let low = Vec3A::from_array((min - growth).to_array().map(next_down)).max(-limit);
     let high = Vec3A::from_array((max + growth).to_array().map(|x| -next_down(-x))).min(limit);
     Bounds3::new(low, high)
+}
+
+/// The least and the largest coordinates; `None` where one is NaN, infinite or beyond [`MAX_COORDINATE`].
+#[inline(always)]
+fn corners(vertices: &[Vec3; 3]) -> Option<[Vec3A; 2]> {
+    let (a, b, c) = (Vec3A::from(vertices[0]), Vec3A::from(vertices[1]), Vec3A::from(vertices[2]));
+    let limit = Vec3A::splat(MAX_COORDINATE);
+    // False for NaN.
+    let is_valid = a.abs().cmple(limit) & b.abs().cmple(limit) & c.abs().cmple(limit);
+    is_valid.all().then(|| [a.min(b).min(c), a.max(b).max(c)])
 }
 
 /// [`f32::next_down`] of a finite number, without a branch.

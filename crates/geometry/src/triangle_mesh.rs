@@ -7,7 +7,7 @@ use thiserror::Error;
 
 use crate::{
     Bounds3, Hit, HitVisitor, Interval, Shape, SurfacePoint, TraversalRay, Visit, Work, intersect_triangle,
-    triangle_bounds, triangle_surface_point,
+    triangle_bounds, triangle_surface_point, watertight_triangle_bounds,
 };
 
 /// Triangles over shared vertices. Every index is in range by construction.
@@ -164,6 +164,15 @@ impl TriangleMesh {
         triangle_bounds(&self.vertices(i))
     }
 
+    /// The box of triangle `i` for trees that are asked by the [watertight test](crate::intersect_triangle): it is
+    /// [grown](crate::watertight_triangle_bounds) by what that may see beside the triangle.
+    ///
+    /// # Panics
+    /// Where `i` is not below [`len`](Self::len).
+    pub fn watertight_bounds(&self, i: usize) -> Bounds3 {
+        watertight_triangle_bounds(&self.vertices(i))
+    }
+
     /// The surface of triangle `i` where `ray` meets its plane.
     ///
     /// # Panics
@@ -203,7 +212,7 @@ impl TriangleMesh {
 impl Shape for TriangleMesh {
     fn object_bound(&self) -> Bounds3 {
         (0..self.len())
-            .map(|i| self.triangle_bounds(i))
+            .map(|i| self.watertight_bounds(i))
             .filter(Bounds3::is_valid)
             .fold(Bounds3::EMPTY, |all, b| all.union(&b))
     }

@@ -38,9 +38,11 @@ pub(crate) fn is_regular(ray: &TraversalRay) -> bool {
 /// it leaves, and an origin for each, so that the test never loses a box that the exact ray meets.
 ///
 /// *Regular rays*, nearly all, take plane · r − q in one rounding. With u = 2⁻²⁴, (b − o) / d is the exact parameter of
-/// a plane b; r = (1 ∓ 12u) / d up to 3 roundings, and q = o r moved outward by 4u |q| for its own roundings and that
-/// of an origin which was rounded from f64. So plane · r − q, in real numbers, is at most (b − o) / d where the ray
-/// enters, if that is not negative, and at least that where it leaves; and rounding is monotone.
+/// a plane b; r = (1 ∓ 12u) / d up to 3 roundings, and q = o r moved outward by 2.5u |q| for its own two roundings, or
+/// by 4u |q| where the origin too was rounded, from f64. So plane · r − q, in real numbers, is at most (b − o) / d where
+/// the ray enters, if that is not negative, and at least that where it leaves; and rounding is monotone. A ray that
+/// leaves a plane of an axis is by 2.5u of its coordinate beyond it where it has been spawned, and misses a box without
+/// extent that lies there.
 ///
 /// *The others* take (plane − o) · r. A plane that gives NaN, 0 · ∞, has the origin in it and a ray along it, and does
 /// not bound the ray. The reciprocal for entering stays finite, so that it never claims too late an entry. An origin
@@ -77,7 +79,8 @@ impl<L: Lanes> BoxLanes<L> {
         let from = if REGULAR && L::FUSED {
             let q = L::mul(o, r);
             let outward = L::load(&[-1.0, -1.0, -1.0, -1.0, 1.0, 1.0, 1.0, 1.0]);
-            let width = L::mul_add(L::abs(q), L::splat(2.0 * f32::EPSILON), L::splat(f32::MIN_POSITIVE));
+            let padding = if ray.is_rounded() { 2.0 * f32::EPSILON } else { 1.25 * f32::EPSILON };
+            let width = L::mul_add(L::abs(q), L::splat(padding), L::splat(f32::MIN_POSITIVE));
             L::to_array(L::mul_sub(width, outward, q))
         } else if ray.is_rounded() {
             let sign = Vec4::ONE.copysign(ray.direction_and_one());

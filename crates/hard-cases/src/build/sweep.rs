@@ -99,7 +99,7 @@ pub(crate) fn tree_over(
     mesh: &Arc<TriangleMesh>,
     config: &BuildConfig,
 ) -> Option<MeshBvh> {
-    let bounds: Vec<Bounds3> = (0..mesh.len()).map(|i| mesh.triangle_bounds(i)).collect();
+    let bounds: Vec<Bounds3> = (0..mesh.len()).map(|i| mesh.watertight_bounds(i)).collect();
     let bvh = checked_tree(tries, name, &bounds, config)?;
     let bvh = MeshBvh::from_parts(Arc::clone(mesh), bvh);
     tries.check(bvh.is_ok(), || format!("{}: {:?}", label(name, config), bvh.as_ref().err()));
