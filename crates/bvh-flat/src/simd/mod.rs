@@ -133,12 +133,20 @@ pub(crate) trait Kernel {
 /// Asks for the cache line at `x`, if there is anything to ask.
 #[inline(always)]
 pub(crate) fn prefetch<T>(x: &T) {
+    prefetch_from::<1, T>(std::slice::from_ref(x), 0);
+}
+
+/// Asks for the cache lines at `N` numbers of `x` from `first` on, whether or not they are there.
+#[inline(always)]
+pub(crate) fn prefetch_from<const N: usize, T>(x: &[T], first: usize) {
     #[cfg(target_arch = "x86_64")]
-    // SAFETY: SSE is part of x86-64; a prefetch does not access memory in any observable way, and the address is that
-    // of a reference.
-    unsafe {
-        std::arch::x86_64::_mm_prefetch::<{ std::arch::x86_64::_MM_HINT_T0 }>(std::ptr::from_ref(x).cast());
+    for i in 0..N {
+        // SAFETY: SSE is part of x86-64; a prefetch accesses memory in no observable way, at any address.
+        unsafe {
+            let at = x.as_ptr().wrapping_add(first).wrapping_add(i);
+            std::arch::x86_64::_mm_prefetch::<{ std::arch::x86_64::_MM_HINT_T0 }>(at.cast());
+        }
     }
     #[cfg(not(target_arch = "x86_64"))]
-    let _ = x;
+    let _ = (x, first);
 }

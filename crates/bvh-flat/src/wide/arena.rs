@@ -2,7 +2,7 @@
 
 use bytemuck::{Pod, Zeroable};
 
-use crate::simd::{LANES, LEAF_NUMBERS, prefetch};
+use crate::simd::{LANES, LEAF_NUMBERS, prefetch_from};
 
 /// A cache line.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
@@ -123,18 +123,20 @@ impl Arena {
     /// The numbers of a leaf from line `first` on, and what follows them; `None` as for [`lines`](Self::lines).
     #[inline(always)]
     pub(crate) fn leaf(&self, first: usize) -> Option<&[f32; LEAF_NUMBERS]> {
-        let lines: &[Line; LEAF_LINES] = self.lines.get(first..)?.first_chunk()?;
-        Some(bytemuck::must_cast_ref(lines))
+        Some(bytemuck::must_cast_ref(self.some_lines::<LEAF_LINES>(first)?))
+    }
+
+    /// So many lines from `first` on. (One comparison, since `first` comes from 32 bits and the sum cannot overflow;
+    /// `get(first..)` and `first_chunk` compare twice.)
+    #[inline(always)]
+    pub(crate) fn some_lines<const N: usize>(&self, first: usize) -> Option<&[Line; N]> {
+        self.lines.get(first..first.wrapping_add(N))?.first_chunk()
     }
 
     /// Asks for the lines of a node, or the most of a leaf, from line `first` on.
     #[inline(always)]
     pub(crate) fn prefetch(&self, first: usize) {
-        if let Some(lines) = self.lines.get(first..).and_then(|lines| lines.first_chunk::<4>()) {
-            for line in lines {
-                prefetch(line);
-            }
-        }
+        prefetch_from::<4, _>(&self.lines, first);
     }
 
     /// Its memory in bytes.

@@ -6,7 +6,7 @@ use geometry::Bounds3;
 #[cfg(feature = "cache")]
 mod checked;
 
-use super::arena::{Child, Line};
+use super::arena::{Arena, Child, Line};
 use crate::simd::{LANES, Lanes};
 
 #[cfg(feature = "cache")]
@@ -23,6 +23,9 @@ pub(crate) trait WideNode: Pod {
 
     /// The node at the beginning of `lines`.
     fn read(lines: &[Line]) -> Option<&Self>;
+
+    /// The node that begins at line `first`.
+    fn read_from(arena: &Arena, first: usize) -> Option<&Self>;
 
     /// Adds the node of these children to `lines` from `at` on, where there is room for it.
     fn write(bounds: &[Bounds3], children: &[Option<Child>], lines: &mut [Line]);
@@ -66,6 +69,11 @@ impl WideNode for FullNode {
     fn read(lines: &[Line]) -> Option<&Self> {
         let lines: &[Line; 4] = lines.first_chunk()?;
         Some(bytemuck::must_cast_ref(lines))
+    }
+
+    #[inline(always)]
+    fn read_from(arena: &Arena, first: usize) -> Option<&Self> {
+        Some(bytemuck::must_cast_ref(arena.some_lines::<4>(first)?))
     }
 
     fn write(bounds: &[Bounds3], children: &[Option<Child>], lines: &mut [Line]) {
@@ -134,6 +142,11 @@ impl WideNode for CompactNode {
     fn read(lines: &[Line]) -> Option<&Self> {
         let lines: &[Line; 2] = lines.first_chunk()?;
         Some(bytemuck::must_cast_ref(lines))
+    }
+
+    #[inline(always)]
+    fn read_from(arena: &Arena, first: usize) -> Option<&Self> {
+        Some(bytemuck::must_cast_ref(arena.some_lines::<2>(first)?))
     }
 
     fn write(bounds: &[Bounds3], children: &[Option<Child>], lines: &mut [Line]) {

@@ -92,7 +92,7 @@ impl<L: Lanes> Way<L> {
             return self.back::<Q>(stack);
         }
         query.node();
-        let node = N::read(arena.lines(at.line())?)?;
+        let node = N::read_from(arena, at.line())?;
         let slabs = self.lanes.slabs::<REGULAR>(node);
         let children = L::load_u32(node.children());
         let met = boxes_met::<L, REGULAR, N>(&slabs, children);
