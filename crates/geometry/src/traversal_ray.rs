@@ -11,14 +11,19 @@ use crate::{Bounds3, Interval, Ray};
 /// and rounded to f32 once, for the f32 tests.
 ///
 /// Vectors have a fourth component, so that any axis number below four is in range.
+///
+/// Kept in the order written, in which the two vectors of reciprocals are no neighbours: the compiler would read those as
+/// one vector right after they were written as two, and such a load waits until they have left the store queue.
 #[derive(Clone, Copy, Debug)]
+#[repr(C)]
 pub struct TraversalRay {
     /// The fourth is the time.
     origin: Vec4,
+    /// Of the direction, shrunk towards zero and finite: for the planes through which the ray enters.
+    near_reciprocals: Vec4,
     direction: Vec4,
-    /// Reciprocals of the direction: first shrunk towards zero and finite, for the planes through which the ray enters;
-    /// then widened, and infinite for a zero component, for the planes through which it leaves.
-    reciprocals: [Vec4; 2],
+    /// Widened, and infinite for a zero component: for the planes through which the ray leaves.
+    far_reciprocals: Vec4,
     shear: Shear,
     origin64: DVec4,
     direction64: DVec4,
@@ -86,9 +91,10 @@ impl TraversalRay {
         let reciprocal = direction.recip();
         // The near reciprocal of a zero (or denormal) component must stay finite: it then never over-estimates the
         // entry, where an infinite one would turn an origin in the plane into NaN.
-        let near = (reciprocal * (1.0 - Self::PADDING)).min(Vec4::splat(f32::MAX)).max(Vec4::splat(-f32::MAX));
-        let reciprocals = [near, reciprocal * (1.0 + Self::PADDING)];
-        Self { origin, direction, reciprocals, shear, origin64, direction64, is_rounded }
+        let near = reciprocal * (1.0 - Self::PADDING);
+        let near_reciprocals = near.min(Vec4::splat(f32::MAX)).max(Vec4::splat(-f32::MAX));
+        let far_reciprocals = reciprocal * (1.0 + Self::PADDING);
+        Self { origin, near_reciprocals, direction, far_reciprocals, shear, origin64, direction64, is_rounded }
     }
 
     /// The ray in f32.
@@ -137,8 +143,8 @@ impl TraversalRay {
     /// box, smaller in size by 6 ulp and finite; for those through which it leaves, larger by 6 ulp, and infinite for a
     /// component of zero.
     #[inline]
-    pub fn reciprocals(&self) -> &[Vec4; 2] {
-        &self.reciprocals
+    pub fn reciprocals(&self) -> [Vec4; 2] {
+        [self.near_reciprocals, self.far_reciprocals]
     }
 
     /// The shear that makes the ray an axis.
@@ -207,8 +213,8 @@ impl TraversalRay {
             } else {
                 (bounds.min[i], bounds.max[i])
             };
-            let near = (near_plane - self.origin[i]) * self.reciprocals[0][i];
-            let far = (far_plane - self.origin[i]) * self.reciprocals[1][i];
+            let near = (near_plane - self.origin[i]) * self.near_reciprocals[i];
+            let far = (far_plane - self.origin[i]) * self.far_reciprocals[i];
             // The comparison fails for NaN, which then bounds nothing.
             entry = if near > entry { near } else { entry };
             exit = if far < exit { far } else { exit };

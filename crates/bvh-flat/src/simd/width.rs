@@ -75,7 +75,7 @@ impl SimdWidth {
     #[inline]
     pub(crate) fn run<K: Kernel>(self, kernel: K) -> K::Output {
         match self.0 {
-            Set::Portable => kernel.run::<Portable>(),
+            Set::Portable => run_portable(kernel),
             // SAFETY: this value was made by `avx2`, after the processor said that it has every feature of `run_avx2`.
             #[cfg(target_arch = "x86_64")]
             Set::Avx2 => unsafe { run_avx2(kernel) },
@@ -91,6 +91,12 @@ impl Default for SimdWidth {
     fn default() -> Self {
         Self::widest()
     }
+}
+
+/// A function of its own, as the others are: compiled into the choice between them it gave that a frame of 9 KB.
+#[inline(never)]
+fn run_portable<K: Kernel>(kernel: K) -> K::Output {
+    kernel.run::<Portable>()
 }
 
 #[cfg(target_arch = "x86_64")]

@@ -8,7 +8,7 @@ use super::arena::{Arena, Child};
 use super::box_ray::{BoxLanes, Slabs, is_regular};
 use super::node::WideNode;
 use crate::MAX_DEPTH;
-use crate::simd::{Lanes, LanesOf, Stack};
+use crate::simd::{Lanes, Stack};
 
 /// The most nodes on a path of a wide tree, with the leaf: it is no deeper than the binary one that it was made of,
 /// whose large leaves may have been divided, by 13 levels at most.
@@ -111,8 +111,9 @@ impl<L: Lanes> Way<L> {
         arena.prefetch(node.child(met.trailing_zeros()).place());
         arena.prefetch(node.child(others.trailing_zeros()).place());
         let more = others & (others - 1);
-        for lane in LanesOf(more) {
-            arena.prefetch(node.child(lane as u32).place());
+        if more != 0 {
+            arena.prefetch(node.child(more.trailing_zeros()).place());
+            arena.prefetch(node.child(more.leading_zeros() ^ 31).place());
         }
         let nearest = L::least_met(slabs.entry, met) as u32;
         let next = node.child(nearest);

@@ -2,6 +2,7 @@
 
 use geometry::TraversalRay;
 
+use super::box_ray::is_regular;
 use crate::simd::{LANES, LEAF_NUMBERS, Lanes};
 
 /// Half the spacing of f32 at 1.
@@ -9,7 +10,7 @@ const U: f32 = f32::EPSILON / 2.0;
 
 /// 2⁻⁶⁰ and 2⁶⁰: products of two numbers between them, and of one with a coordinate, are far from the ends of f32.
 const LEAST: f32 = 1.0 / LARGEST;
-const LARGEST: f32 = (1_u64 << 60) as f32;
+pub(crate) const LARGEST: f32 = (1_u64 << 60) as f32;
 
 /// A ray for the filter: the shear of Woop, Benthin and Wald 2013, in f32.
 #[derive(Clone, Copy, Debug)]
@@ -75,15 +76,32 @@ impl TriangleRay {
         let kx = if kz == 2 { 0 } else { kz + 1 };
         let k = [kx, 3_usize.wrapping_sub(kx + kz) & 3, kz];
         let o = [o[k[0]], o[k[1]], o[k[2]]];
-        let size = o[0].abs().max(o[1].abs()).max(o[2].abs());
-        let rounded = if ray.is_rounded() { 20.0 * U * size } else { 0.0 };
-        let is_usual = (LEAST..=LARGEST).contains(&shear.rdz.abs());
+        let plain = Self {
+            k,
+            o,
+            sx: -shear.sx,
+            sy: -shear.sy,
+            rdz: shear.rdz,
+            origin_error: 0.0,
+            least_error: f32::MIN_POSITIVE,
+        };
+        if is_regular(ray) && !ray.is_rounded() { plain } else { plain.careful(ray.is_rounded()) }
+    }
+
+    /// The same ray, if it may be rounded, or have numbers that are not usual.
+    #[inline(never)]
+    fn careful(mut self, is_rounded: bool) -> Self {
+        let size = self.o[0].abs().max(self.o[1].abs()).max(self.o[2].abs());
+        let is_usual = (LEAST..=LARGEST).contains(&self.rdz.abs());
         // A denormal direction is rounded by more than the bounds allow for.
-        let is_bounded = size <= 2.0 * LARGEST && (is_usual || !ray.is_rounded());
-        let origin_error = if is_bounded { rounded } else { f32::INFINITY };
-        let rdz = if is_usual { shear.rdz } else { f32::NAN };
-        let least_error = origin_error * origin_error / 16.0 + f32::MIN_POSITIVE;
-        Self { k, o, sx: -shear.sx, sy: -shear.sy, rdz, origin_error, least_error }
+        let is_bounded = size <= 2.0 * LARGEST && (is_usual || !is_rounded);
+        let rounded = if is_rounded { 20.0 * U * size } else { 0.0 };
+        self.origin_error = if is_bounded { rounded } else { f32::INFINITY };
+        self.least_error = self.origin_error * self.origin_error / 16.0 + f32::MIN_POSITIVE;
+        if !is_usual {
+            self.rdz = f32::NAN;
+        }
+        self
     }
 
     /// The axes in the order of the shear.
@@ -118,7 +136,9 @@ impl TriangleRay {
         let vertices =
             [L::load_vertices(leaf, count, kx), L::load_vertices(leaf, count, ky), L::load_vertices(leaf, count, kz)];
         let t = [L::splat(t_min), L::splat(t_max)];
-        let filtered = self.in_lanes::<L>().filter(&vertices, L::splat(leaf[0]), (1 << count) - 1, t)?;
+        // Not in lanes: the compiler makes them of one number by detours.
+        let d = [L::splat(leaf[0]), L::splat(leaf[0] * self.origin_error + self.least_error)];
+        let filtered = self.in_lanes::<L>().filter(&vertices, d, (1 << count) - 1, t)?;
         let Filtered { maybe, sure, at_start, low, high } = filtered;
         Some(Candidates { maybe, sure, at_start, low: L::to_array(low), high: L::to_array(high) })
     }
@@ -126,7 +146,7 @@ impl TriangleRay {
 
 impl<L: Lanes> FilterRay<L> {
     /// What there is in each of `lanes`: a hit of the triangle of three vertices, given along the ray's axes one after
-    /// the other, of which d is an extent or more, with t in an open interval.
+    /// the other, of which d is an extent or more and `least` the [least error](Self::least), with t in an open interval.
     ///
     /// With u = 2⁻²⁴, D the largest extent of any of the triangles along an axis, and m = |A_z| + D, which bounds the
     /// depths of all three vertices. A sheared coordinate x = pₓ − Sₓ p_z is wrong by δ <= u (6m + 2R), where R bounds
@@ -161,11 +181,11 @@ impl<L: Lanes> FilterRay<L> {
     pub(crate) fn filter(
         &self,
         [x, y, z]: &[[L::F32; 3]; 3],
-        d: L::F32,
+        [d, least]: [L::F32; 2],
         lanes: u32,
         [t_min, t_max]: [L::F32; 2],
     ) -> Option<Filtered<L>> {
-        let Self { rdz, origin_error, least_error, .. } = *self;
+        let Self { rdz, origin_error, .. } = *self;
         let (ax, ay, az) = self.shear(x[0], y[0], z[0]);
         let (bx, by, bz) = self.shear(x[1], y[1], z[1]);
         let (cx, cy, cz) = self.shear(x[2], y[2], z[2]);
@@ -173,7 +193,6 @@ impl<L: Lanes> FilterRay<L> {
         let e1 = L::mul_sub(ax, cy, L::mul(ay, cx));
         let e2 = L::mul_sub(bx, ay, L::mul(by, ax));
         let depth = L::abs(az);
-        let least = L::mul_add(d, origin_error, least_error);
         let of_size = L::mul_add(depth, L::splat(256.0 * U * U), L::mul(d, L::splat(64.0 * U)));
         let error = L::mul_add(of_size, L::mul_add(d, L::splat(2.25), depth), least);
         let low = L::min(e0, L::min(e1, e2));
@@ -186,10 +205,8 @@ impl<L: Lanes> FilterRay<L> {
         let size = L::add(depth, d);
         let of_depth = L::mul_add(size, L::splat(20.0 * U), origin_error);
         let of_depth = L::mul(of_depth, L::abs(rdz));
-        let a = L::mul(L::min(az, L::min(bz, cz)), rdz);
-        let b = L::mul(L::max(az, L::max(bz, cz)), rdz);
-        let (first, last) = (L::min(a, b), L::max(a, b));
-        let spread = L::sub(last, first);
+        let depths = L::sub(L::max(az, L::max(bz, cz)), L::min(az, L::min(bz, cz)));
+        let spread = L::mul(depths, L::abs(rdz));
         let r = L::max(largest::<L>(ax, ay), L::max(largest::<L>(bx, by), largest::<L>(cx, cy)));
         let of_r = L::mul_add(r, L::splat(3.0 * U), L::mul(origin_error, L::splat(1.0 / 8.0)));
         let delta = L::mul_add(size, L::splat(8.0 * U), of_r);
@@ -210,6 +227,12 @@ impl<L: Lanes> FilterRay<L> {
         let sure = sure & maybe;
         let at_start = sure & !L::lt(t_min, low);
         Some(Filtered { maybe, sure, at_start, low, high })
+    }
+
+    /// What the error of edge functions is at least, for triangles of an extent d.
+    #[inline(always)]
+    pub(crate) fn least(&self, d: L::F32) -> L::F32 {
+        L::mul_add(d, self.origin_error, self.least_error)
     }
 
     /// The sheared coordinates of the ray's origin, seen from a vertex of each triangle.

@@ -13,7 +13,7 @@ mod checked;
 use super::arena::{Child, Line};
 use super::collapse::{LeafWriter, WideTree};
 use super::node::{CompactNode, FullNode, WideNode};
-use crate::simd::{LANES, LEAF_NUMBERS, prefetch};
+use crate::simd::{LANES, LEAF_NUMBERS, load_triangle, prefetch};
 
 #[cfg(feature = "cache")]
 pub(crate) use checked::CheckedLayout;
@@ -322,15 +322,8 @@ impl<'a> TriangleLeaf<'a> {
 
     /// The coordinates of the vertices along three axes.
     #[inline(always)]
-    pub(crate) fn permuted(&self, lane: usize, [x, y, z]: [usize; 3]) -> [[f32; 3]; 3] {
-        let vertex = |i: usize| {
-            // Hidden from the compiler: for AVX-512 it would make one gather with 64-bit multiplications of all nine
-            // loads, which costs 6 % of a primary ray.
-            let first = std::hint::black_box(1 + 3 * i * self.count + lane);
-            let number = |axis: usize| self.numbers[(first + axis * self.count) & 127];
-            [number(x), number(y), number(z)]
-        };
-        [vertex(0), vertex(1), vertex(2)]
+    pub(crate) fn permuted(&self, lane: usize, axes: [usize; 3]) -> [[f32; 3]; 3] {
+        load_triangle(self.numbers, lane, self.count, axes)
     }
 
     /// The number of a triangle in its mesh.

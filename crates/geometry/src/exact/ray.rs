@@ -203,7 +203,12 @@ pub fn are_coplanar(a: &[Vec3; 3], b: &[Vec3; 3]) -> bool {
 #[inline(always)]
 pub fn values_of_hit(ray: &TraversalRay, vertices: &[[f32; 3]; 3]) -> TriangleHit {
     let (values, is_certain) = values_in_frame(&Frame::new(ray), vertices);
-    if is_certain { values } else { values_of_difficult_hit(ray, vertices) }
+    if is_certain {
+        return values;
+    }
+    // Of a copy: else the vertices would be written to memory for every hit, for the call that hardly any makes.
+    let vertices = *vertices;
+    values_of_difficult_hit(ray, &vertices)
 }
 
 /// The values of a hit in f64, and whether they are certain. Without branches.

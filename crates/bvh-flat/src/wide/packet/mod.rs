@@ -314,6 +314,7 @@ impl<L: Lanes> Packets<L> {
             for i in LanesOf(groups) {
                 let Some(group) = self.groups.get_mut(i) else { continue };
                 let interval = [group.t_min, group.t_max];
+                let d = [d, group.filter.least(d)];
                 let Some(hit) = group.filter.filter(&vertices, d, group.active, interval) else { continue };
                 if hit.maybe == 0 {
                     continue;
