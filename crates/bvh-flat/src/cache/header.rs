@@ -157,7 +157,7 @@ impl Header {
         Ok(header)
     }
 
-    /// Steps 1 to 5.
+    /// Steps 1 to 6.
     pub(crate) fn read(source: &impl Source) -> Result<Self, CacheError> {
         let found = source.len();
         let mut header = [0; HEADER_BYTES];
@@ -192,7 +192,7 @@ impl Header {
         }
     }
 
-    /// Steps 3 and 5 of a header whose sum is right.
+    /// Steps 3 to 5 of a header whose sum is right, but for where its sections lie.
     fn decode(header: &[u8; HEADER_BYTES]) -> Result<Self, CacheError> {
         let length = u32::from_le_bytes(word(header, 40)) as usize;
         let record = header[RECORD_AT..].get(..length).ok_or(CacheError::Header("its record is too long"))?;
@@ -201,6 +201,10 @@ impl Header {
             .map_err(|_| CacheError::Header("its record cannot be decoded"))?;
         if used != length || !zero || word(header, 8) != BYTE_ORDER.to_ne_bytes() {
             return Err(CacheError::Header("there is something where nothing should be"));
+        }
+        // It is printed, to terminals too.
+        if record.description.contains(char::is_control) {
+            return Err(CacheError::Header("the description of its options has characters that are not printed"));
         }
         let layout = TreeLayout::from_code(record.layout).ok_or(CacheError::Header("its layout is unknown"))?;
         check_version("layout version", record.layout_version, layout.version())?;
@@ -219,7 +223,7 @@ impl Header {
         })
     }
 
-    /// Steps 6 and 7: whether it is the tree that was asked for.
+    /// Step 8: whether it is the tree that was asked for.
     pub(crate) fn expect(
         &self,
         geometry: Option<GeometryKey>,

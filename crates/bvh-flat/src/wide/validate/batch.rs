@@ -1,6 +1,6 @@
 //! Leaves that were met, and whose triangles are looked at together.
 
-use geometry::TriangleMesh;
+use geometry::{MAX_COORDINATE, TriangleMesh};
 
 use super::InvalidWideTree;
 use crate::simd::{LANES, LEAF_NUMBERS, Lanes, prefetch};
@@ -184,8 +184,9 @@ fn lanes<const N: usize>(numbers: &[f32; N], first: usize) -> &[f32; LANES] {
     numbers[first..].first_chunk().unwrap_or(&[0.0; LANES])
 }
 
-/// Whether the vertices of a leaf's triangles are between planes, or with spatial splits on both sides at most; and its
-/// first number is one ulp more than the largest extent of any of them.
+/// Whether the vertices of a leaf's triangles are between planes, or with spatial splits on both sides at most, and none
+/// so far out that rays do not meet its triangle; and its first number is one ulp more than the largest extent of any of
+/// them.
 #[inline(always)]
 fn is_within<L: Lanes>(
     extent_above: f32,
@@ -195,6 +196,7 @@ fn is_within<L: Lanes>(
     is_split: bool,
 ) -> bool {
     let all = (1 << count) - 1;
+    let [least, most] = [L::splat(-MAX_COORDINATE), L::splat(MAX_COORDINATE)];
     let mut valid = all;
     let (mut extent, mut sum) = (L::splat(0.0), L::splat(0.0));
     for axis in 0..3 {
@@ -202,7 +204,11 @@ fn is_within<L: Lanes>(
         let [a, b, c] = vertices(axis);
         let (min, max) = (L::min(L::min(a, b), c), L::max(L::max(a, b), c));
         sum = L::add(sum, L::add(L::add(a, b), c));
-        valid &= if is_split { L::le(low, max) & L::le(min, high) } else { L::le(low, min) & L::le(max, high) };
+        valid &= if is_split {
+            L::le(low, max) & L::le(min, high) & L::le(least, min) & L::le(max, most)
+        } else {
+            L::le(low, min) & L::le(max, high)
+        };
         extent = L::max(extent, L::sub(max, min));
     }
     // Min and max do not keep NaN, a sum does; and infinities of both signs, which make one, are in no box either.
@@ -217,4 +223,35 @@ fn is_zero_behind<L: Lanes>(line: &Line, words: usize) -> bool {
     let [low, high]: &[[u32; LANES]; 2] = bytemuck::must_cast_ref(line);
     let zeros = L::eq_u32(L::load_u32(low), L::splat_u32(0)) | L::eq_u32(L::load_u32(high), L::splat_u32(0)) << LANES;
     (zeros | ((1 << words) - 1)) & 0xffff == 0xffff
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::SimdWidth;
+    use crate::simd::Kernel;
+
+    /// A triangle across the box from −1 to 1, with a vertex at `far` on the first axis.
+    struct Across {
+        far: f32,
+        is_split: bool,
+    }
+
+    impl Kernel for Across {
+        type Output = bool;
+
+        #[inline(always)]
+        fn run<L: Lanes>(self) -> bool {
+            let vertices = |axis: usize| [-0.5, if axis == 0 { self.far } else { 0.5 }, 0.25].map(L::splat);
+            is_within::<L>((self.far + 0.5).next_up(), vertices, 1, &[-1.0, 1.0, -1.0, 1.0, -1.0, 1.0], self.is_split)
+        }
+    }
+
+    #[test]
+    fn parts_of_triangles_are_taken_but_of_those_that_no_ray_meets() {
+        let is_taken = |far, is_split| SimdWidth::PORTABLE.run(Across { far, is_split });
+        assert!(is_taken(0.75, false) && is_taken(0.75, true));
+        assert!(!is_taken(3.0, false) && is_taken(3.0, true));
+        assert!(is_taken(MAX_COORDINATE, true) && !is_taken(MAX_COORDINATE.next_up(), true) && !is_taken(1e30, true));
+    }
 }
