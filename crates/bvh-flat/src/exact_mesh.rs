@@ -230,7 +230,7 @@ mod tests {
     #[test]
     fn rays_that_f32_does_not_hold_lose_nothing() {
         let mut random = Random(1);
-        let mut hits = 0;
+        let (mut hits, mut lost_by_the_f32_box) = (0, 0);
         for i in 0..200 {
             let (rays, mesh) = case(i, &mut random);
             let method = SplitMethod::ALL[i / 4 % SplitMethod::ALL.len()];
@@ -252,9 +252,12 @@ mod tests {
                 let least = naive.iter().map(|(_, h)| h.t).min_by(f32::total_cmp);
                 assert_eq!(exact.intersect(ray, Interval::FULL).map(|h| h.t), least, "{ray:?}");
                 hits += naive.len();
+                let f32_ray = TraversalRay::new(&ray.ray()).expect("what was rounded is valid");
+                let is_lost = |i: usize| f32_ray.enter(&Bounds3::from_points(vertices(i)), Interval::FULL).is_none();
+                lost_by_the_f32_box += naive.iter().filter(|(i, _)| is_lost(*i)).count();
             }
         }
-        assert!(hits > 1_000, "{hits}");
+        assert!(hits > 1_000 && lost_by_the_f32_box > 20, "{hits} {lost_by_the_f32_box}");
     }
 
     #[test]

@@ -248,8 +248,9 @@ impl<L: Lanes> Packets<L> {
                 }
                 continue;
             }
-            let Some(lines) = triangles.tree.arena.lines(child.line()) else { return };
-            let Some(node) = <Q::Layout as Layout>::Node::read(lines) else { return };
+            let Some(node) = <Q::Layout as Layout>::Node::read_from(&triangles.tree.arena, child.line()) else {
+                return;
+            };
             self.node(node, &frustum, groups, t_max);
         }
     }
