@@ -123,14 +123,15 @@ impl Arena {
     /// The numbers of a leaf from line `first` on, and what follows them; `None` as for [`lines`](Self::lines).
     #[inline(always)]
     pub(crate) fn leaf(&self, first: usize) -> Option<&[f32; LEAF_NUMBERS]> {
-        Some(bytemuck::must_cast_ref(self.some_lines::<LEAF_LINES>(first)?))
+        let lines: &[Line; LEAF_LINES] = self.some_lines(first, LEAF_LINES)?.first_chunk()?;
+        Some(bytemuck::must_cast_ref(lines))
     }
 
     /// So many lines from `first` on. (One comparison, since `first` comes from 32 bits and the sum cannot overflow;
     /// `get(first..)` and `first_chunk` compare twice.)
     #[inline(always)]
-    pub(crate) fn some_lines<const N: usize>(&self, first: usize) -> Option<&[Line; N]> {
-        self.lines.get(first..first.wrapping_add(N))?.first_chunk()
+    pub(crate) fn some_lines(&self, first: usize, count: usize) -> Option<&[Line]> {
+        self.lines.get(first..first.wrapping_add(count))
     }
 
     /// Asks for the lines of a node, or the most of a leaf, from line `first` on.

@@ -25,7 +25,10 @@ pub(crate) trait WideNode: Pod {
     fn read(lines: &[Line]) -> Option<&Self>;
 
     /// The node that begins at line `first`.
-    fn read_from(arena: &Arena, first: usize) -> Option<&Self>;
+    #[inline(always)]
+    fn read_from(arena: &Arena, first: usize) -> Option<&Self> {
+        Self::read(arena.some_lines(first, Self::LINES)?)
+    }
 
     /// Adds the node of these children to `lines` from `at` on, where there is room for it.
     fn write(bounds: &[Bounds3], children: &[Option<Child>], lines: &mut [Line]);
@@ -69,11 +72,6 @@ impl WideNode for FullNode {
     fn read(lines: &[Line]) -> Option<&Self> {
         let lines: &[Line; 4] = lines.first_chunk()?;
         Some(bytemuck::must_cast_ref(lines))
-    }
-
-    #[inline(always)]
-    fn read_from(arena: &Arena, first: usize) -> Option<&Self> {
-        Some(bytemuck::must_cast_ref(arena.some_lines::<4>(first)?))
     }
 
     fn write(bounds: &[Bounds3], children: &[Option<Child>], lines: &mut [Line]) {
@@ -142,11 +140,6 @@ impl WideNode for CompactNode {
     fn read(lines: &[Line]) -> Option<&Self> {
         let lines: &[Line; 2] = lines.first_chunk()?;
         Some(bytemuck::must_cast_ref(lines))
-    }
-
-    #[inline(always)]
-    fn read_from(arena: &Arena, first: usize) -> Option<&Self> {
-        Some(bytemuck::must_cast_ref(arena.some_lines::<2>(first)?))
     }
 
     fn write(bounds: &[Bounds3], children: &[Option<Child>], lines: &mut [Line]) {
