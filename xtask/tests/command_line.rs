@@ -149,7 +149,7 @@ fn bad_input_is_refused_with_words() {
     std::fs::write(here.join("flat.pbrt"), "WorldBegin\nScale 1 0 1\nShape \"sphere\"\n").expect("written");
     std::fs::write(here.join("notes.txt"), "hello").expect("written");
     std::fs::write(here.join("grids.toml"), "[[gird]]\n").expect("written");
-    let cases: [(&[&str], i32, &str); 35] = [
+    let cases: [(&[&str], i32, &str); 36] = [
         (&["sweep", "missing.ply"], 1, "missing.ply: cannot be read"),
         (&["render", "."], 1, "is a directory"),
         (&["sweep", "cut.ply"], 1, "cut.ply"),
@@ -187,6 +187,7 @@ fn bad_input_is_refused_with_words() {
         (&["cache", "info", "missing.bvh"], 1, "missing.bvh: the cache file cannot be read"),
         (&["cache", "verify", "square.obj"], 1, "this is no cache file"),
         (&["cache", "build", "missing.ply"], 1, "missing.ply"),
+        (&["cache", "build", "square.obj", "--out", "square.obj"], 1, "square.obj: what may be no cache file is left"),
         (&["cache", "build", "builtin:stadium", "--out", "x.bvh"], 2, "--dir makes a file for each"),
         (&["cache", "build", "square.obj", "--out", "no/such/x.bvh"], 1, "x.bvh"),
     ];
@@ -254,15 +255,36 @@ fn cache_files_are_built_verified_and_cleared() {
         assert_eq!(code, 0, "{text}");
         assert_eq!(std::fs::read_dir(here.join("trees")).expect("there").count(), files);
     }
-    for (name, content) in [("notes.txt", "hello"), ("other.bvh", "BVH of another program"), (".bvh-abc123", "half")] {
+    let others =
+        [(".bvh-notes.txt", "hello"), ("empty.bvh", ""), ("notes.txt", "hello"), ("other.bvh", "BVH of another")];
+    let writers = [(".bvh-abc123", ""), (".bvh-def456", "")];
+    for (name, content) in others.into_iter().chain(writers) {
         std::fs::write(here.join("trees").join(name), content).expect("written");
     }
-    let (code, text) = run(&["cache", "clear", "--dir", "trees"], here);
-    assert!(code == 0 && text.contains("deleted 3 files"), "{text}");
-    let mut left: Vec<_> =
-        std::fs::read_dir(here.join("trees")).expect("there").flatten().map(|e| e.file_name()).collect();
-    left.sort();
-    assert_eq!(left, ["notes.txt", "other.bvh"]);
+    std::fs::copy(here.join("a.bvh"), here.join("trees/.bvh-def456")).expect("copied");
+    // Writers may be at work; later they are not.
+    for (minutes, deleted, writers) in [("60", 2, 2), ("0", 2, 0)] {
+        let (code, text) = run(&["cache", "clear", "--dir", "trees", "--abandoned-after", minutes], here);
+        assert!(code == 0 && text.contains(&format!("deleted {deleted} files")), "{text}");
+        let left = std::fs::read_dir(here.join("trees")).expect("there").count();
+        assert_eq!(left, others.len() + writers, "{text}");
+    }
+    assert!(others.iter().all(|(name, _)| here.join("trees").join(name).exists()));
+}
+
+/// A pipe to which nobody writes must not be waited for.
+#[test]
+#[cfg(unix)]
+fn a_pipe_is_no_cache_file() {
+    let folder = directory();
+    let made = Command::new("mkfifo").arg("pipe.bvh").current_dir(folder.path()).status().expect("mkfifo starts");
+    assert!(made.success());
+    for command in ["info", "verify"] {
+        let (code, text) = run(&["cache", command, "pipe.bvh"], folder.path());
+        assert!(code == 1 && text.contains("not a regular file"), "{text}");
+    }
+    assert_eq!(run(&["cache", "clear", "--dir", "."], folder.path()).0, 0);
+    assert!(folder.path().join("pipe.bvh").exists());
 }
 
 #[test]
@@ -309,7 +331,7 @@ fn a_write_that_fails_leaves_the_old_file() {
         let (code, text) = run(&["cache", "verify", "a.bvh"], here);
         assert_eq!(code, 0, "{text}");
     }
-    assert_eq!(run(&["cache", "clear", "--dir", "."], here).0, 0);
+    assert_eq!(run(&["cache", "clear", "--dir", ".", "--abandoned-after", "0"], here).0, 0);
     assert_eq!(temporary(), 0);
     assert!(here.join("square.obj").exists());
 }

@@ -67,7 +67,7 @@ impl FlatBvh {
         primitive_count: u32,
         extra_references: u32,
     ) -> Result<Self, InvalidBvh> {
-        validate(&nodes, &order, primitive_count, extra_references)?;
+        let extra_references = validate(&nodes, &order, primitive_count, extra_references)?;
         Ok(Self { nodes, order, primitive_count, extra_references })
     }
 
@@ -79,7 +79,7 @@ impl FlatBvh {
         primitive_count: u32,
         extra_references: u32,
     ) -> Self {
-        debug_assert_eq!(validate(&nodes, &order, primitive_count, extra_references), Ok(()));
+        debug_assert_eq!(validate(&nodes, &order, primitive_count, extra_references), Ok(extra_references));
         Self { nodes, order, primitive_count, extra_references }
     }
 
@@ -103,7 +103,7 @@ impl FlatBvh {
         self.primitive_count
     }
 
-    /// How many places of the order may have a primitive that stands there before. If any, a leaf need not contain its
+    /// How many places of the order have a primitive that stands there before. If any, a leaf need not contain its
     /// primitives, but only the parts of them that are in no other leaf.
     pub fn extra_references(&self) -> u32 {
         self.extra_references

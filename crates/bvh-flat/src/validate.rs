@@ -78,7 +78,7 @@ pub enum InvalidBvh {
         node: usize,
     },
     /// The tree was not built over this geometry, or with spatial splits, by which leaves have parts of primitives.
-    #[error("the tree does not fit the geometry: {0}; build it again")]
+    #[error("the tree does not fit the geometry: {0}")]
     Geometry(String),
     /// An axis that is not 0, 1 or 2, one at a leaf, or padding that is not zero.
     #[error("node {node}: its axis or padding is not valid")]
@@ -89,13 +89,14 @@ pub enum InvalidBvh {
 }
 
 /// Walks the nodes in their order. Depth first means: behind a leaf comes the second child of the innermost interior
-/// node whose first child is complete; a stack of the expected second children proves it.
+/// node whose first child is complete; a stack of the expected second children proves it. Returns how many places of the
+/// order have a primitive that stands before them already, `extra_references` at most.
 pub(crate) fn validate(
     nodes: &[LinearBvhNode],
     order: &[u32],
     primitive_count: u32,
     extra_references: u32,
-) -> Result<(), InvalidBvh> {
+) -> Result<u32, InvalidBvh> {
     // Interior nodes whose second child is to come, with their depth.
     let mut pending: Vec<(usize, usize)> = Vec::with_capacity(MAX_DEPTH);
     let mut parent: Option<(usize, usize)> = None;
@@ -150,7 +151,7 @@ pub(crate) fn validate(
 
 /// Each primitive at most once, but for so many times: one bit for each. Where few have a place in the order, that
 /// could be much memory for little, and a copy of the order is sorted instead.
-fn validate_order(order: &[u32], primitive_count: u32, mut extra_references: u32) -> Result<(), InvalidBvh> {
+fn validate_order(order: &[u32], primitive_count: u32, extra_references: u32) -> Result<u32, InvalidBvh> {
     let largest = order.iter().copied().max().map_or(0, |p| p as usize + 1);
     let refused = |place: usize| InvalidBvh::Order { place, primitive: order[place], primitive_count };
     if largest / 32 > order.len() {
@@ -159,24 +160,25 @@ fn validate_order(order: &[u32], primitive_count: u32, mut extra_references: u32
         }
         let mut sorted = order.to_vec();
         sorted.sort_unstable();
-        let mut again = sorted.windows(2).filter(|pair| pair[0] == pair[1]).map(|pair| pair[0]);
-        let one_too_many = again.nth(extra_references as usize);
+        let again = || sorted.windows(2).filter(|pair| pair[0] == pair[1]).map(|pair| pair[0]);
+        let one_too_many = again().nth(extra_references as usize);
         return match one_too_many.and_then(|again| order.iter().rposition(|&primitive| primitive == again)) {
             Some(place) => Err(refused(place)),
-            None => Ok(()),
+            None => Ok(again().count() as u32),
         };
     }
+    let mut found = 0;
     let mut seen = vec![0_u64; largest.min(primitive_count as usize).div_ceil(64)];
     for (place, &primitive) in order.iter().enumerate() {
         let (word, bit) = (primitive as usize / 64, 1_u64 << (primitive % 64));
         let is_extra = primitive < primitive_count && seen[word] & bit != 0;
-        if primitive >= primitive_count || (is_extra && extra_references == 0) {
+        if primitive >= primitive_count || (is_extra && found == extra_references) {
             return Err(refused(place));
         }
-        extra_references -= u32::from(is_extra);
+        found += u32::from(is_extra);
         seen[word] |= bit;
     }
-    Ok(())
+    Ok(found)
 }
 
 impl FlatBvh {

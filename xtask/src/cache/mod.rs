@@ -2,11 +2,13 @@
 
 mod bench;
 
+use std::fs::Metadata;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::time::Duration;
 
 use anyhow::{Context, Result};
-use bvh_flat::cache::{CacheError, CacheInfo, GeometryKey, TEMPORARY_PREFIX, TreeLayout, TreeOptions};
+use bvh_flat::cache::{CacheError, CacheInfo, GeometryKey, TEMPORARY_PREFIX, TreeLayout, TreeOptions, is_cache_file};
 use bvh_flat::geometry::TriangleMesh;
 use bvh_flat::{FlatBvh, MeshBvh, WideLayout, WideMesh};
 use clap::{Args, Subcommand, ValueEnum};
@@ -49,6 +51,9 @@ enum Command {
         /// The directory
         #[arg(long, default_value = DIRECTORY)]
         dir: PathBuf,
+        /// What a writer began is left over when nothing was written to it for so long
+        #[arg(long, value_name = "MINUTES", default_value_t = 60)]
+        abandoned_after: u64,
     },
 }
 
@@ -107,7 +112,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         Command::Info { file } => info(file),
         Command::Verify { file, scene } => verify(file, scene.as_ref()),
         Command::Bench(arguments) => bench::run(arguments),
-        Command::Clear { dir } => clear(dir),
+        Command::Clear { dir, abandoned_after } => clear(dir, Duration::from_secs(abandoned_after.saturating_mul(60))),
     }
 }
 
@@ -132,6 +137,11 @@ fn build(arguments: &BuildArguments) -> Result<()> {
         return Err(input::usage_error(format!(
             "the scene has {meshes} meshes; --dir makes a file for each, --out one"
         )));
+    }
+    if let Some(out) = arguments.out.as_deref().filter(|out| out.exists())
+        && !is_cache_file(out).with_context(|| out.display().to_string())?
+    {
+        return Err(CacheError::Kept).with_context(|| out.display().to_string());
     }
     if arguments.out.is_none() {
         let dir = &arguments.dir;
@@ -212,7 +222,7 @@ fn verify(file: &Path, source: Option<&SceneSource>) -> Result<()> {
     Ok(())
 }
 
-fn clear(directory: &Path) -> Result<()> {
+fn clear(directory: &Path, abandoned_after: Duration) -> Result<()> {
     let context = || format!("{}: cannot be read", directory.display());
     let entries = match std::fs::read_dir(directory) {
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
@@ -225,8 +235,7 @@ fn clear(directory: &Path) -> Result<()> {
     for entry in entries {
         let entry = entry.with_context(context)?;
         let path = entry.path();
-        let is_temporary = entry.file_name().to_string_lossy().starts_with(TEMPORARY_PREFIX);
-        if entry.file_type()?.is_file() && (is_temporary || is_cache_file(&path)) {
+        if entry.file_type()?.is_file() && is_to_be_cleared(&path, &entry.metadata()?, abandoned_after)? {
             bytes += entry.metadata()?.len();
             std::fs::remove_file(&path).with_context(|| format!("{}: cannot be deleted", path.display()))?;
             files += 1;
@@ -236,9 +245,14 @@ fn clear(directory: &Path) -> Result<()> {
     Ok(())
 }
 
-/// A file with our ending and our first bytes, of whatever version, however damaged behind.
-fn is_cache_file(path: &Path) -> bool {
-    let is_refused_as_other = |error: &CacheError| matches!(error, CacheError::NotACache | CacheError::Io(_));
-    path.extension().is_some_and(|extension| extension == "bvh")
-        && CacheInfo::read(path).map_or_else(|error| !is_refused_as_other(&error), |_| true)
+/// A file that begins like ours and has our ending, of whatever version, however damaged behind; or one that a writer
+/// began and no longer writes to.
+fn is_to_be_cleared(path: &Path, metadata: &Metadata, abandoned_after: Duration) -> Result<bool> {
+    let begins_like_ours = || is_cache_file(path).with_context(|| format!("{}: cannot be read", path.display()));
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    if name.starts_with(TEMPORARY_PREFIX) {
+        let is_abandoned = metadata.modified()?.elapsed().is_ok_and(|since| since >= abandoned_after);
+        return Ok(is_abandoned && (metadata.len() == 0 || begins_like_ours()?));
+    }
+    Ok(path.extension().is_some_and(|extension| extension == "bvh") && begins_like_ours()?)
 }

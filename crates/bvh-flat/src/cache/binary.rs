@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-#[cfg(feature = "build")]
 use geometry::Bounds3;
 
 use super::checksum::sum_of_pieces;
@@ -61,8 +60,8 @@ impl FlatBvh {
     }
 
     /// Loads the tree over `bounds` from the file; where there is none or it is refused, builds the tree and saves it,
-    /// as [`save`](Self::save) does. A tree that is loaded has been held against `bounds`. What happened is in
-    /// [`Cached::origin`].
+    /// as [`save`](Self::save) does, but not over a file that does not begin like a cache file or cannot be read. A tree
+    /// that is loaded has been held against `bounds`. What happened is in [`Cached::origin`].
     ///
     /// # Errors
     /// [`BuildError`] where the tree must be built and cannot be; a cache that fails is no error.
@@ -98,7 +97,7 @@ impl FlatBvh {
 
     fn header(&self, geometry: GeometryKey, options: &TreeOptions) -> Result<Header, CacheError> {
         if options.layout != TreeLayout::Binary {
-            return Err(CacheError::OtherLayout { expected: TreeLayout::Binary, found: options.layout });
+            return Err(CacheError::OtherLayout { expected: TreeLayout::Binary.name(), found: options.layout });
         }
         let sections = self.sections().map(|section| (section.len() as u64, sum_of_pieces(section)));
         Ok(Header {
@@ -131,7 +130,7 @@ impl FlatBvh {
         let header = Header::read(source)?;
         let found = header.options.layout;
         if found != TreeLayout::Binary {
-            return Err(CacheError::OtherLayout { expected: TreeLayout::Binary, found });
+            return Err(CacheError::OtherLayout { expected: TreeLayout::Binary.name(), found });
         }
         header.expect(geometry, options)?;
         let [nodes, order] = &header.sections;
@@ -141,21 +140,12 @@ impl FlatBvh {
         let primitives = primitives.map_err(|_| CacheError::Header("more primitives than a tree can have"))?;
         let repeats = u32::try_from(header.counts.repeats);
         let repeats = repeats.map_err(|_| CacheError::Header("more repeats than a tree can have"))?;
-        if repeats > 0 && count_repeats(&order) != repeats as usize {
-            return Err(CacheError::Header("the repeats are not those of the tree"));
-        }
         let tree = Self::from_split_parts(nodes, order, primitives, repeats)?;
         header.counts.expect(&tree.counts())?;
-        if header.bounds != tree.bounds() || header.expected_steps != 0.0 {
+        let bits = |bounds: Bounds3| [bounds.min, bounds.max].map(|corner| corner.to_array().map(f32::to_bits));
+        if bits(header.bounds) != bits(tree.bounds()) || header.expected_steps.to_bits() != 0 {
             return Err(CacheError::Header("its bounds or expected steps are not those of the tree"));
         }
         Ok(tree)
     }
-}
-
-/// How many of the references are not the first to their primitive.
-fn count_repeats(order: &[u32]) -> usize {
-    let mut sorted = order.to_vec();
-    sorted.sort_unstable();
-    sorted.windows(2).filter(|pair| pair[0] == pair[1]).count()
 }

@@ -13,7 +13,7 @@ use crate::{InvalidBvh, InvalidWideTree};
 #[non_exhaustive]
 pub enum CacheError {
     /// The file cannot be opened, read or written.
-    #[error("the cache file cannot be read or written: {0}")]
+    #[error("the cache file cannot be read or written: {0}; see that its path, its permissions and the disk are right")]
     Io(io::Error),
     /// There are fewer bytes than the file says or must have.
     #[error(
@@ -26,7 +26,7 @@ pub enum CacheError {
         found: u64,
     },
     /// It begins like no cache file.
-    #[error("this is no cache file of a tree; give the name of one, or delete it and build the tree again")]
+    #[error("this is no cache file of a tree; give the name of one")]
     NotACache,
     /// It was written on a machine with the other byte order.
     #[error("the file comes from a machine with the other byte order; build the tree again on this one")]
@@ -69,10 +69,10 @@ pub enum CacheError {
         found: u64,
     },
     /// A tree of another kind than was asked for.
-    #[error("the file has a tree in the layout {found}, not {expected}; load it as that, or rebuild it")]
+    #[error("the layout is {found}, not {expected}; ask for what is there, or build the tree again")]
     OtherLayout {
         /// What was asked for.
-        expected: TreeLayout,
+        expected: &'static str,
         /// What is there.
         found: TreeLayout,
     },
@@ -96,6 +96,10 @@ pub enum CacheError {
     /// The bytes are those that were written, but they are no tree.
     #[error("the file has no valid tree: {0}; rebuild it with this program")]
     Structure(InvalidTree),
+    /// `load_or_build` found a file that it does not replace: one that does not begin like a cache file, or cannot be
+    /// read.
+    #[error("what may be no cache file is left as it is; give another path, or delete it")]
+    Kept,
 }
 
 /// Why sections are no tree, or none over the geometry given.
@@ -108,7 +112,7 @@ pub enum InvalidTree {
     /// A wide one.
     #[error(transparent)]
     Wide(#[from] InvalidWideTree),
-    /// The tree has other counts, or another box, than the header says.
+    /// The tree has other counts than the header says.
     #[error("the header says {recorded} {what}, the tree has {found}")]
     Recorded {
         /// Of what.

@@ -17,7 +17,8 @@ pub(crate) const HEADER_BYTES: usize = 512;
 /// Sections begin at multiples of it.
 pub(crate) const ALIGNMENT: u64 = 64;
 
-const MAGIC: [u8; 8] = *b"\x89BVH\r\n\x1a\n";
+/// The first bytes.
+pub(crate) const MAGIC: [u8; 8] = *b"\x89BVH\r\n\x1a\n";
 const BYTE_ORDER: u32 = 0x0102_0304;
 const FOREVER_BYTES: usize = 16;
 const SUM_AT: usize = 16;
@@ -143,6 +144,7 @@ impl Header {
             description: self.options.description.clone(),
         };
         let mut header = [0; HEADER_BYTES];
+        // A description is made to fit, and bytes in memory have no more than 2⁶³.
         let too_long = |_| CacheError::Header("the description of the options is too long");
         let record_length = bincode::serde::encode_into_slice(record, &mut header[RECORD_AT..], configuration());
         let record_length = record_length.map_err(too_long)?;

@@ -1,10 +1,11 @@
 //! What a file says of itself.
 
+use std::io;
 use std::path::Path;
 
 use geometry::Bounds3;
 
-use super::header::Header;
+use super::header::{Header, MAGIC};
 use super::source::{OpenFile, Source};
 use super::{CacheError, GeometryKey, TreeLayout, TreeOptions};
 use crate::FlatBvh;
@@ -71,6 +72,20 @@ impl CacheInfo {
     pub fn file_length(&self) -> u64 {
         self.file_length
     }
+}
+
+/// Whether the file begins as cache files do, of whatever version and however damaged behind.
+///
+/// # Errors
+/// Where it cannot be read, or is no regular file.
+pub fn is_cache_file(path: impl AsRef<Path>) -> io::Result<bool> {
+    let file = OpenFile::open(path.as_ref())?;
+    let mut begin = [0; MAGIC.len()];
+    if file.len() < begin.len() as u64 {
+        return Ok(false);
+    }
+    file.read_exact_at(0, &mut begin)?;
+    Ok(begin == MAGIC)
 }
 
 /// Checks a file as far as that goes without the geometry: the header, all sums, and the structure. What is left is

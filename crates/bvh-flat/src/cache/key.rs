@@ -56,6 +56,15 @@ pub enum TreeLayout {
 }
 
 impl TreeLayout {
+    /// `binary`, `wide blocks`, `wide compact`.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Binary => "binary",
+            Self::Wide(WideLayout::Blocks) => "wide blocks",
+            Self::Wide(WideLayout::Compact) => "wide compact",
+        }
+    }
+
     pub(crate) const fn code(self) -> u32 {
         match self {
             Self::Binary => 0,
@@ -77,13 +86,10 @@ impl TreeLayout {
     }
 }
 
-/// `binary`, `wide blocks`, `wide compact`.
+/// Its [name](TreeLayout::name).
 impl fmt::Display for TreeLayout {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Binary => f.write_str("binary"),
-            Self::Wide(layout) => write!(f, "wide {}", layout.name()),
-        }
+        f.write_str(self.name())
     }
 }
 

@@ -53,7 +53,8 @@ impl Origin {
     }
 }
 
-/// Loads; where that is refused, builds and saves.
+/// Loads; where that is refused, builds and saves. Only what begins like a cache file is replaced: a wrong path must not
+/// cost somebody's scene, nor a disk that fails to read for once a good tree.
 #[cfg(feature = "build")]
 pub(crate) fn load_or_build<T>(
     path: &Path,
@@ -67,6 +68,9 @@ pub(crate) fn load_or_build<T>(
         Err(refused) => Some(refused),
     };
     let tree = build()?;
-    let not_saved = save(&tree, path).err();
+    let not_saved = match refused {
+        Some(CacheError::NotACache | CacheError::Io(_)) => Some(CacheError::Kept),
+        _ => save(&tree, path).err(),
+    };
     Ok(Cached { tree, origin: Origin::Built { refused, not_saved } })
 }

@@ -40,7 +40,7 @@ mod wide;
 
 pub use error::{CacheError, InvalidTree, Section};
 pub use file::TEMPORARY_PREFIX;
-pub use info::{CacheInfo, verify};
+pub use info::{CacheInfo, is_cache_file, verify};
 pub use key::{GeometryKey, TreeLayout, TreeOptions};
 #[cfg(feature = "build")]
 pub use load_or_build::Cached;

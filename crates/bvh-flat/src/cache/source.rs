@@ -34,12 +34,14 @@ pub(crate) struct OpenFile {
 }
 
 impl OpenFile {
+    /// Opens a regular file: others may have no length, or no end.
     pub(crate) fn open(path: &Path) -> io::Result<Self> {
+        // Before it is opened: that would wait for who writes to a pipe.
+        if !std::fs::metadata(path)?.is_file() {
+            return Err(io::Error::new(io::ErrorKind::InvalidInput, "not a regular file"));
+        }
         let file = File::open(path)?;
         let metadata = file.metadata()?;
-        if metadata.is_dir() {
-            return Err(io::ErrorKind::IsADirectory.into());
-        }
         Ok(Self {
             file,
             #[cfg(not(unix))]

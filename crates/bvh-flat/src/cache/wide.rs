@@ -6,7 +6,7 @@ use std::sync::Arc;
 use geometry::TriangleMesh;
 
 use super::checksum::sum_of_pieces;
-use super::header::{Counts, HEADER_BYTES, Header};
+use super::header::{Counts, HEADER_BYTES, Header, SectionRecord};
 #[cfg(feature = "mmap")]
 use super::section::read_into;
 use super::section::read_section;
@@ -16,7 +16,10 @@ use super::{CacheError, GeometryKey, Section, TreeLayout, TreeOptions, file};
 use super::{Cached, load_or_build::load_or_build};
 #[cfg(feature = "mmap")]
 use crate::mapped::{LargePages, Map};
-use crate::wide::{Arena, Blocks, Child, Compact, Line, Triangles, WideCounts, WideTree, validate, validate_alone};
+use crate::wide::{
+    Arena, Blocks, Child, Compact, LEAF_LINES, Line, MAX_LINES, Triangles, WideCounts, WideTree, validate,
+    validate_alone,
+};
 #[cfg(feature = "build")]
 use crate::{BuildConfig, BuildError};
 use crate::{InvalidWideTree, WideLayout, WideMesh};
@@ -99,7 +102,8 @@ impl WideMesh {
     }
 
     /// Loads the tree of such a build from the file; where there is none or it is refused, builds the tree and saves
-    /// it, as [`save`](Self::save) does. What happened is in [`Cached::origin`].
+    /// it, as [`save`](Self::save) does, but not over a file that does not begin like a cache file or cannot be read.
+    /// What happened is in [`Cached::origin`].
     ///
     /// # Errors
     /// [`BuildError`] where the tree must be built and cannot be; a cache that fails is no error.
@@ -158,7 +162,8 @@ impl WideMesh {
     /// Nothing is written that would be refused.
     fn header(&self, options: &TreeOptions, geometry: GeometryKey) -> Result<Header, CacheError> {
         if options.layout != TreeLayout::Wide(self.layout()) {
-            return Err(CacheError::OtherLayout { expected: TreeLayout::Wide(self.layout()), found: options.layout });
+            let expected = TreeLayout::Wide(self.layout()).name();
+            return Err(CacheError::OtherLayout { expected, found: options.layout });
         }
         let tree = self.tree();
         let primitives = self.mesh().len() as u64;
@@ -214,9 +219,7 @@ fn validated(tree: &WideTree, mesh: &TriangleMesh, layout: WideLayout) -> Result
 fn wide_layout(header: &Header) -> Result<WideLayout, CacheError> {
     match header.options.layout {
         TreeLayout::Wide(layout) => Ok(layout),
-        found @ TreeLayout::Binary => {
-            Err(CacheError::OtherLayout { expected: TreeLayout::Wide(WideLayout::Blocks), found })
-        }
+        found @ TreeLayout::Binary => Err(CacheError::OtherLayout { expected: "wide", found }),
     }
 }
 
@@ -245,15 +248,23 @@ fn counts(found: &WideCounts, root: Option<Child>, primitives: u64) -> Counts {
 /// Whether what the header says is what the tree is.
 fn check_counts(header: &Header, found: &WideCounts, tree: &WideTree, primitives: u64) -> Result<(), CacheError> {
     header.counts.expect(&counts(found, tree.root, primitives))?;
-    let is_number = header.expected_steps.is_finite() && header.expected_steps >= 0.0;
+    let is_number = header.expected_steps.is_finite() && header.expected_steps.is_sign_positive();
     if is_number { Ok(()) } else { Err(CacheError::Header("the expected steps are no number")) }
+}
+
+/// The lines of an arena that a tree can have: what is longer need not be read.
+fn line_count(arena: &SectionRecord) -> Result<usize, CacheError> {
+    let count = arena.entries::<Line>()?;
+    let is_possible = count <= MAX_LINES + LEAF_LINES;
+    if is_possible { Ok(count) } else { Err(CacheError::Header("its arena is longer than that of any tree")) }
 }
 
 #[cfg_attr(not(feature = "mmap"), expect(clippy::useless_conversion, reason = "with `mmap` a type of its own"))]
 fn read_arena(source: &impl Source, header: &Header) -> Result<Arena, CacheError> {
     let record = &header.sections[0];
+    let _line_count = line_count(record)?;
     #[cfg(feature = "mmap")]
-    if let Some(mut pages) = LargePages::for_lines(record.entries::<Line>()?) {
+    if let Some(mut pages) = LargePages::for_lines(_line_count) {
         read_into(source, Section::Arena, record, bytemuck::cast_slice_mut(pages.lines_mut()))?;
         return Ok(Arena::from_all(pages.into_lines()));
     }
@@ -265,7 +276,7 @@ fn read_arena(source: &impl Source, header: &Header) -> Result<Arena, CacheError
 fn map_arena(file: &OpenFile, header: &Header) -> Result<Arena, CacheError> {
     let map = Map::new(&file.file)?;
     let section = &header.sections[0];
-    section.entries::<Line>()?;
+    line_count(section)?;
     let range = section.offset as usize..(section.offset + section.length) as usize;
     let expected = range.end as u64;
     let lines = map.lines(range).ok_or(CacheError::Truncated { expected, found: map.len() })?;

@@ -18,6 +18,8 @@ mod validate;
 
 #[cfg(feature = "cache")]
 pub(crate) use arena::Arena;
+#[cfg(feature = "cache")]
+pub(crate) use arena::LEAF_LINES;
 pub(crate) use arena::{Child, Line, MAX_LINES};
 pub(crate) use batch::{LARGE, answer_many};
 pub(crate) use boxes::boxes;

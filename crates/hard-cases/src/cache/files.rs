@@ -115,6 +115,7 @@ fn replaced(tries: &mut Tries, mesh: &Arc<TriangleMesh>, path: &Path) {
             Ok(Origin::Built { refused: None, not_saved: None }) => "built",
             Ok(Origin::Built { refused: Some(_), not_saved: None }) => "replaced",
             Ok(Origin::Built { not_saved: Some(CacheError::Io(_)), .. }) => "not saved",
+            Ok(Origin::Built { refused: Some(_), not_saved: Some(CacheError::Kept) }) => "kept",
             _ => "failed",
         };
         tries.check(found == expected, || format!("{what}: {found}, not {expected}: {cached:?}"));
@@ -140,7 +141,17 @@ fn replaced(tries: &mut Tries, mesh: &Arc<TriangleMesh>, path: &Path) {
     let is_again = std::fs::read(path).is_ok_and(|bytes| bytes == good);
     let parent = path.parent().expect("in a directory");
     ask("a directory that is not there", &parent.join("missing/tree.bvh"), "not saved");
-    ask("a directory", parent, "not saved");
+    ask("a directory", parent, "kept");
+    let other = parent.join("scene.ply");
+    std::fs::write(&other, "ply\nformat ascii 1.0\n").expect("written");
+    ask("a file of another kind", &other, "kept");
+    ask("a file of another kind", &other, "kept");
+    let is_kept = std::fs::read(&other).is_ok_and(|bytes| bytes == b"ply\nformat ascii 1.0\n");
+    std::fs::remove_file(&other).expect("there");
+    std::fs::write(path, b"").expect("written");
+    ask("an empty file", path, "replaced");
+    let is_again = is_again && std::fs::read(path).is_ok_and(|bytes| bytes == good);
+    tries.check(is_kept, || "a file of another kind is not as it was".into());
     tries.check(is_again, || "a file that was replaced is not as it was".into());
     // The binary tree likewise.
     let bounds: Vec<_> = (0..mesh.len()).map(|i| mesh.triangle_bounds(i)).collect();

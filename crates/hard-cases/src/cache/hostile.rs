@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use bvh_flat::WideLayout;
 use bvh_flat::cache::{CacheError, InvalidTree, TreeLayout};
+use bvh_flat::{WideLayout, WideMesh};
 use geometry::{Hit, Interval, Shape, TraversalRay, TriangleMesh};
 
-use super::{LAYOUTS, file_of, load, reseal, small_mesh, wide_chain};
+use super::{LAYOUTS, file_of, load, reseal, small_mesh, split_trees, wide_chain};
 use crate::build::sweep::{expected, rays_at};
 use crate::exact_triangles::ExactTriangles;
 use crate::{Outcome, Random, Run, Tries};
@@ -56,6 +56,13 @@ impl Node {
         Self { at: ARENA + LINE * self.first(file, false).1 as usize, ..self }
     }
 
+    /// The first child that has a child which is a node.
+    fn child_with_node(self, file: &Words) -> Self {
+        let children = (0..8).map(|lane| file.get(self.references() + lane)).filter(|&child| child & LEAF == 0);
+        let mut nodes = children.map(|line| Self { at: ARENA + LINE * line as usize, ..self });
+        nodes.find(|node| node.at != ARENA && node.first(file, false).1 != 0).unwrap_or(self)
+    }
+
     /// The word of the reference to the last child that is a node.
     fn last_node(self, file: &Words) -> usize {
         let word = |lane: usize| self.references() + lane;
@@ -85,7 +92,7 @@ type Damage = fn(&mut Words, Node);
 /// Each damage with the refusals that are right for it, the first for blocks; nothing where it is none of that layout.
 const DAMAGES: [(&str, [&str; 2], Damage); 22] = [
     ("a cycle", ["Cycle"; 2], |f, root| {
-        let node = root.child(f);
+        let node = root.child_with_node(f);
         let line = (node.at - ARENA) / LINE;
         f.set(node.references() + node.first(f, false).0, line as u32);
     }),
@@ -165,7 +172,9 @@ pub(super) fn structures(run: &Run) -> Outcome {
         let mesh = small_mesh(&mut random);
         for layout in LAYOUTS {
             if let TreeLayout::Wide(wide) = layout {
-                named(&mut tries, &deep_mesh(&mut random), wide);
+                let mesh = deep_mesh(&mut random);
+                named(&mut tries, &mesh, &file_of(&mesh, layout), wide, &[]);
+                split_trees::structures(&mut tries, run, wide, &mut random);
             }
             let flipped = flips(run, &mesh, layout, &mut random);
             tries = tries.and(flipped);
@@ -193,17 +202,17 @@ pub(super) fn refusal<T>(loaded: &Result<T, CacheError>) -> String {
     }
 }
 
-fn named(tries: &mut Tries, mesh: &Arc<TriangleMesh>, layout: WideLayout) {
-    let file = file_of(mesh, TreeLayout::Wide(layout));
+/// Each of the damages to a file with a tree over `mesh`, but for some.
+pub(super) fn named(tries: &mut Tries, mesh: &Arc<TriangleMesh>, file: &[u8], layout: WideLayout, but_for: &[&str]) {
     for (name, expected, damage) in DAMAGES {
         let expected = if layout == WideLayout::Blocks { expected[0] } else { expected[1] };
-        if expected.is_empty() {
+        if expected.is_empty() || but_for.contains(&name) {
             continue;
         }
-        let mut words = Words(file.clone());
+        let mut words = Words(file.to_vec());
         damage(&mut words, Node { at: ARENA, layout });
         reseal(&mut words.0);
-        let loaded = load(&words.0, mesh, TreeLayout::Wide(layout));
+        let loaded = WideMesh::from_bytes(&words.0, Arc::clone(mesh), None);
         tries.check(refusal(&loaded) == expected, || format!("{}, {name}: {}", layout.name(), refusal(&loaded)));
     }
 }
@@ -256,7 +265,7 @@ fn recorded(tries: &mut Tries, mesh: &Arc<TriangleMesh>, layout: TreeLayout) {
         let loaded = load(&file, mesh, layout);
         tries.check(loaded.is_err(), || format!("{layout}, bounds at {at} {value}: accepted"));
     }
-    for steps in [f64::NAN, f64::INFINITY, -1.0] {
+    for steps in [f64::NAN, f64::INFINITY, -1.0, -0.0] {
         let mut file = file_of(mesh, layout);
         file[176..184].copy_from_slice(&steps.to_le_bytes());
         reseal(&mut file);

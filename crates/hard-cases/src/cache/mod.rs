@@ -6,6 +6,7 @@ mod forge;
 mod fuzzed;
 mod hostile;
 mod round_trip;
+mod split_trees;
 mod stale;
 mod wide_chain;
 
