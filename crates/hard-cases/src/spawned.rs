@@ -1,8 +1,8 @@
 //! R: rays that leave a surface where another ray met it.
 //!
-//! What all of them demand: no spawned ray hits a triangle that does not lie ahead of the exact hit point (acne), the
-//! new origin is at most 4 ulp from there (99 %); surfaces that it jumped over, and others that it meets edge-on
-//! further away, are counted.
+//! What all of them demand: no spawned ray hits the surface that it left (acne), nor anything that an exact ray from its
+//! origin does not hit; the new origin is at most 4 ulp from the exact hit point (99 %). Surfaces that it jumped over,
+//! and others that it meets though their planes are not ahead of that point, are counted.
 
 mod departure;
 mod surfaces;

@@ -8,6 +8,7 @@ use std::time::Duration;
 use anyhow::{Result, bail, ensure};
 use bvh_flat::primitive::Primitive;
 use clap::Args;
+use comfy_table::CellAlignment;
 use hard_cases::{Case, Effort, Library, OPEN, Outcome, Run, cases};
 use indicatif::{ProgressBar, ProgressStyle};
 use scene::RaySets;
@@ -58,6 +59,9 @@ fn verify_catalogue(arguments: &Arguments) -> Result<()> {
         bar.set_style(style);
     }
     let mut rows = table(&["case", "what", "trials", "failures", "s", "figures"], 2);
+    if let Some(figures) = rows.column_mut(5) {
+        figures.set_cell_alignment(CellAlignment::Left);
+    }
     let mut failed = Vec::new();
     for (done, case) in (0..).zip(&chosen) {
         bar.set_message(format!("{} {}", case.id, case.title));
@@ -74,7 +78,11 @@ fn verify_catalogue(arguments: &Arguments) -> Result<()> {
         let row = row(case, time, &outcome);
         if arguments.full {
             // Hours may pass until the table is printed.
-            bar.suspend(|| eprintln!("{}  {} trials, {} failures, {} s  {}", row[0], row[2], row[3], row[4], row[5]));
+            bar.suspend(|| {
+                let [id, _, trials, failures, seconds, figures] = &row;
+                let figures = figures.replace('\n', ", ");
+                eprintln!("{id}  {trials} trials, {failures} failures, {seconds} s  {figures}");
+            });
         }
         rows.add_row(row);
         if !outcome.passed() {
@@ -99,15 +107,34 @@ fn verify_catalogue(arguments: &Arguments) -> Result<()> {
 }
 
 fn row(case: &Case, time: Duration, outcome: &Outcome) -> [String; 6] {
-    let figures: Vec<String> = outcome.figures.iter().map(|(name, value)| format!("{name} {value:.4}")).collect();
+    let figures = outcome.figures.iter().map(|(name, value)| match value {
+        _ if value.fract() == 0.0 && *value < 1e15 => format!("{name} {}", count(*value as u64)),
+        _ => format!("{name} {value:.4}"),
+    });
     [
         case.id.to_owned(),
         case.title.to_owned(),
         count(outcome.trials),
         count(outcome.failures),
         format!("{:.2}", time.as_secs_f64()),
-        figures.join(", "),
+        in_lines(figures),
     ]
+}
+
+/// Words, one behind the other, in lines that are not long.
+fn in_lines(parts: impl Iterator<Item = String>) -> String {
+    const WIDTH: usize = 70;
+    let mut lines: Vec<String> = Vec::new();
+    for part in parts {
+        match lines.last_mut() {
+            Some(line) if line.chars().count() + 2 + part.chars().count() <= WIDTH => {
+                line.push_str(", ");
+                line.push_str(&part);
+            }
+            _ => lines.push(part),
+        }
+    }
+    lines.join("\n")
 }
 
 fn verify_scene(arguments: &Arguments, source: &SceneSource) -> Result<()> {

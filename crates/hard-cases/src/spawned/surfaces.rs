@@ -10,7 +10,7 @@ use primitive::{
 };
 use scene::meshes;
 
-use super::departure::{DETACHMENT, Departure, Scenery};
+use super::departure::{DETACHMENT, Departure, Scenery, require_few_grazes};
 use crate::triangles::findings::{Fallible, Findings, Quantity, in_chunks, outcome_of};
 use crate::triangles::generate::{log_uniform, mapped};
 use crate::triangles::judge::{Specimen, interaction};
@@ -75,6 +75,7 @@ fn spawn_everywhere(
     });
     findings.require_count("hits", run.effort.pick(10_000, 5_000_000));
     findings.require(Quantity::Detachment, 0.99, DETACHMENT);
+    require_few_grazes(&mut findings);
     Ok(findings)
 }
 
@@ -153,6 +154,7 @@ fn r05(run: &Run) -> Outcome {
         });
         findings.require_count("hits", run.effort.pick(5_000, 2_000_000));
         findings.require(Quantity::Detachment, 0.99, DETACHMENT);
+        require_few_grazes(&mut findings);
         Ok(findings)
     };
     outcome_of(try_all())

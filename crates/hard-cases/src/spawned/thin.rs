@@ -3,7 +3,7 @@
 use geometry::glam::Vec3;
 use geometry::{Interval, Ray};
 
-use super::departure::{Departure, Scenery};
+use super::departure::{Departure, Scenery, require_few_grazes};
 use super::surfaces::{hemisphere, on_mesh, surfaces};
 use crate::triangles::findings::{Fallible, Findings, in_chunks, outcome_of};
 use crate::triangles::generate::{log_uniform, soup};
@@ -47,6 +47,7 @@ fn r03(run: &Run) -> Outcome {
             });
         });
         findings.require_count("hits", run.effort.pick(10_000, 5_000_000));
+        require_few_grazes(&mut findings);
         findings
     }))
 }
@@ -95,6 +96,7 @@ fn r04(run: &Run) -> Outcome {
             });
         });
         findings.require_count("hits", run.effort.pick(5_000, 2_000_000));
+        require_few_grazes(&mut findings);
         findings
     }))
 }
@@ -120,6 +122,7 @@ fn r06(run: &Run) -> Outcome {
             });
         });
         findings.require_count("segments", run.effort.pick(5_000, 2_000_000));
+        require_few_grazes(&mut findings);
         findings
     }))
 }
