@@ -21,7 +21,7 @@ pub(crate) struct TriangleRay {
     /// −Sx and −Sy.
     sx: f32,
     sy: f32,
-    /// One over the direction's largest component; NaN, with which nothing is certain and nothing ruled out by its t,
+    /// −1 over the direction's largest component; NaN, with which nothing is certain and nothing ruled out by its t,
     /// where that is far from the lengths that occur.
     rdz: f32,
     /// A bound on what the distance of the origin from the exact one adds to coordinates; infinite, so that nothing is
@@ -76,32 +76,12 @@ impl TriangleRay {
         let kx = if kz == 2 { 0 } else { kz + 1 };
         let k = [kx, 3_usize.wrapping_sub(kx + kz) & 3, kz];
         let o = [o[k[0]], o[k[1]], o[k[2]]];
-        let plain = Self {
-            k,
-            o,
-            sx: -shear.sx,
-            sy: -shear.sy,
-            rdz: shear.rdz,
-            origin_error: 0.0,
-            least_error: f32::MIN_POSITIVE,
-        };
-        if is_regular(ray) && !ray.is_rounded() { plain } else { plain.careful(ray.is_rounded()) }
-    }
-
-    /// The same ray, if it may be rounded, or have numbers that are not usual.
-    #[inline(never)]
-    fn careful(mut self, is_rounded: bool) -> Self {
-        let size = self.o[0].abs().max(self.o[1].abs()).max(self.o[2].abs());
-        let is_usual = (LEAST..=LARGEST).contains(&self.rdz.abs());
-        // A denormal direction is rounded by more than the bounds allow for.
-        let is_bounded = size <= 2.0 * LARGEST && (is_usual || !is_rounded);
-        let rounded = if is_rounded { 20.0 * U * size } else { 0.0 };
-        self.origin_error = if is_bounded { rounded } else { f32::INFINITY };
-        self.least_error = self.origin_error * self.origin_error / 16.0 + f32::MIN_POSITIVE;
-        if !is_usual {
-            self.rdz = f32::NAN;
+        let (mut rdz, mut origin_error) = (-shear.rdz, 0.0);
+        if !is_regular(ray) || ray.is_rounded() {
+            (rdz, origin_error) = careful(rdz, o[0].abs().max(o[1].abs()).max(o[2].abs()), ray.is_rounded());
         }
-        self
+        let least_error = origin_error * origin_error / 16.0 + f32::MIN_POSITIVE;
+        Self { k, o, sx: -shear.sx, sy: -shear.sy, rdz, origin_error, least_error }
     }
 
     /// The axes in the order of the shear.
@@ -117,7 +97,7 @@ impl TriangleRay {
             o: [L::splat(self.o[0]), L::splat(self.o[1]), L::splat(self.o[2])],
             sx: L::splat(self.sx),
             sy: L::splat(self.sy),
-            rdz: L::splat(-self.rdz),
+            rdz: L::splat(self.rdz),
             origin_error: L::splat(self.origin_error),
             least_error: L::splat(self.least_error),
         }
@@ -142,6 +122,20 @@ impl TriangleRay {
         let Filtered { maybe, sure, at_start, low, high } = filtered;
         Some(Candidates { maybe, sure, at_start, low: L::to_array(low), high: L::to_array(high) })
     }
+}
+
+/// The reciprocal and the error of the origin, of which `size` is the largest coordinate, of a ray that may be rounded or
+/// have numbers that are not usual.
+///
+/// Returned in registers. (A ray that came back in memory was read as vectors right after it was written number by
+/// number, and such a load waits.)
+#[inline(never)]
+fn careful(rdz: f32, size: f32, is_rounded: bool) -> (f32, f32) {
+    let is_usual = (LEAST..=LARGEST).contains(&rdz.abs());
+    // A denormal direction is rounded by more than the bounds allow for.
+    let is_bounded = size <= 2.0 * LARGEST && (is_usual || !is_rounded);
+    let rounded = if is_rounded { 20.0 * U * size } else { 0.0 };
+    (if is_usual { rdz } else { f32::NAN }, if is_bounded { rounded } else { f32::INFINITY })
 }
 
 impl<L: Lanes> FilterRay<L> {
