@@ -6,6 +6,8 @@ use std::process::Command;
 use anyhow::{Context, Result, ensure};
 use clap::Args;
 
+use crate::measure::timed;
+
 /// The library's crates.
 const CRATES: [&str; 4] = ["geometry", "primitive", "bvh-build", "bvh-flat"];
 
@@ -63,7 +65,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     for (i, step) in (1..).zip(&steps) {
         println!("{i}/{}  {}", steps.len(), step.line());
         if !arguments.list {
-            step.run(root)?;
+            let (time, done) = timed(|| step.run(root));
+            done?;
+            println!("{i}/{}  {:.0} s", steps.len(), time.as_secs_f64());
         }
     }
     if !has_deny {
