@@ -36,11 +36,11 @@ fn radiance(world: &impl Primitive, mut ray: Ray, random: &mut impl FnMut() -> f
 
 fn main() -> Result<(), Box<dyn Error>> {
     let out = std::env::args_os().nth(1).map_or_else(|| std::env::temp_dir().join("path_tracer.png"), PathBuf::from);
-    let (file, config) = (out.with_extension("bvh"), BuildConfig::high());
-    let cached = WideMesh::load_or_build(&file, hills()?, &config, WideLayout::Blocks)?;
-    println!("{}: the tree was {}", out.display(), if cached.origin.is_loaded() { "loaded" } else { "built" });
+    let tree = WideMesh::load_or_build(out.with_extension("bvh"), hills()?, &BuildConfig::high(), WideLayout::Blocks)?;
+    let origin = if tree.origin.is_loaded() { "loaded" } else { "built" };
+    println!("{}: the tree was {origin}. {}", out.display(), tree.origin.message().unwrap_or_default());
     let surface = Surface::of_material(MaterialId::from_index(0).ok_or("too many materials")?);
-    let world = GeometricPrimitive::new(cached.tree, surface, MediumInterface::VACUUM);
+    let world = GeometricPrimitive::new(tree.tree, surface, MediumInterface::VACUUM);
     let mut state = 1_u64;
     let mut random = || {
         state = state.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(1);

@@ -4,7 +4,11 @@ mod support;
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::atomic::{AtomicBool, Ordering};
 
+use bvh_flat::cache::{TreeLayout, TreeOptions};
+use bvh_flat::geometry::TriangleMesh;
+use bvh_flat::{BuildConfig, WideLayout, WideMesh};
 use support::{XTASK, directory, run};
 
 /// Two triangles of a square in the plane z = 0.
@@ -187,7 +191,7 @@ fn bad_input_is_refused_with_words() {
         (&["cache", "info", "missing.bvh"], 1, "missing.bvh: the cache file cannot be read"),
         (&["cache", "verify", "square.obj"], 1, "this is no cache file"),
         (&["cache", "build", "missing.ply"], 1, "missing.ply"),
-        (&["cache", "build", "square.obj", "--out", "square.obj"], 1, "square.obj: what may be no cache file is left"),
+        (&["cache", "build", "square.obj", "--out", "square.obj"], 1, "square.obj: what is there is no cache file"),
         (&["cache", "build", "builtin:stadium", "--out", "x.bvh"], 2, "--dir makes a file for each"),
         (&["cache", "build", "square.obj", "--out", "no/such/x.bvh"], 1, "x.bvh"),
     ];
@@ -285,6 +289,32 @@ fn a_pipe_is_no_cache_file() {
     }
     assert_eq!(run(&["cache", "clear", "--dir", "."], folder.path()).0, 0);
     assert!(folder.path().join("pipe.bvh").exists());
+}
+
+/// Files that come and go while a directory is cleared are no fault, and no writer loses what it is at work on.
+#[test]
+fn a_directory_is_cleared_beside_a_writer() {
+    let folder = directory();
+    let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0]];
+    let mesh = TriangleMesh::new(corners, vec![[0, 1, 2]]).expect("in range");
+    let (config, layout) = (BuildConfig::default(), WideLayout::Blocks);
+    let tree = WideMesh::build_observed(mesh, &config, layout, &()).expect("the default is valid");
+    let options = TreeOptions::new(&config, TreeLayout::Wide(layout));
+    let (path, is_done) = (folder.path().join("a.bvh"), AtomicBool::new(false));
+    std::thread::scope(|scope| {
+        let writer = scope.spawn(|| {
+            let mut saved = 0;
+            while !is_done.load(Ordering::Relaxed) {
+                tree.save(&path, &options).expect("saved");
+                saved += 1;
+            }
+            saved
+        });
+        let cleared: Vec<_> = (0..30).map(|_| run(&["cache", "clear", "--dir", "."], folder.path())).collect();
+        is_done.store(true, Ordering::Relaxed);
+        assert!(writer.join().expect("no save failed") > 0);
+        assert!(cleared.iter().all(|(code, _)| *code == 0), "{cleared:?}");
+    });
 }
 
 #[test]

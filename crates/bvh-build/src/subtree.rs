@@ -69,8 +69,8 @@ impl Subtree {
         Self::grow_boxed(Box::new(part), depth, progress)
     }
 
-    /// The same. A tree may be deep, and a worker's stack small: parts are not on it, and where one of two is small, the
-    /// other is not grown by a call.
+    /// The same. A tree may be deep, and a worker's stack small: parts are not on it, and where one of two is small,
+    /// the other is not grown by a call.
     fn grow_boxed<P: Part>(mut part: Box<P>, mut depth: u32, progress: &ProgressReporter) -> Result<Self, Cancelled> {
         let mut beside = Vec::new();
         let mut subtree = loop {

@@ -89,8 +89,8 @@ pub enum InvalidBvh {
 }
 
 /// Walks the nodes in their order. Depth first means: behind a leaf comes the second child of the innermost interior
-/// node whose first child is complete; a stack of the expected second children proves it. Returns how many places of the
-/// order have a primitive that stands before them already, `extra_references` at most.
+/// node whose first child is complete; a stack of the expected second children proves it. Returns how many places of
+/// the order have a primitive that stands before them already, `extra_references` at most.
 pub(crate) fn validate(
     nodes: &[LinearBvhNode],
     order: &[u32],

@@ -12,8 +12,8 @@ use crate::{Bounds3, Interval, Ray};
 ///
 /// Vectors have a fourth component, so that any axis number below four is in range.
 ///
-/// Kept in the order written, in which the two vectors of reciprocals are no neighbours: the compiler would read those as
-/// one vector right after they were written as two, and such a load waits until they have left the store queue.
+/// Kept in the order written, in which the two vectors of reciprocals are no neighbours: the compiler would read those
+/// as one vector right after they were written as two, and such a load waits until they have left the store queue.
 /// (Rejected: f64 only where it differs. The branch that hits then need costs random rays 3 %.)
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]

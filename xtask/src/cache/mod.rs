@@ -2,12 +2,12 @@
 
 mod bench;
 
-use std::fs::Metadata;
+use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, ensure};
 use bvh_flat::cache::{CacheError, CacheInfo, GeometryKey, TEMPORARY_PREFIX, TreeLayout, TreeOptions, is_cache_file};
 use bvh_flat::geometry::TriangleMesh;
 use bvh_flat::{FlatBvh, MeshBvh, WideLayout, WideMesh};
@@ -51,7 +51,7 @@ enum Command {
         /// The directory
         #[arg(long, default_value = DIRECTORY)]
         dir: PathBuf,
-        /// What a writer began is left over when nothing was written to it for so long
+        /// Minutes without a write after which a writer's unfinished file is taken for left over
         #[arg(long, value_name = "MINUTES", default_value_t = 60)]
         abandoned_after: u64,
     },
@@ -225,34 +225,44 @@ fn verify(file: &Path, source: Option<&SceneSource>) -> Result<()> {
 fn clear(directory: &Path, abandoned_after: Duration) -> Result<()> {
     let context = || format!("{}: cannot be read", directory.display());
     let entries = match std::fs::read_dir(directory) {
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => {
             println!("{}: is not there", directory.display());
             return Ok(());
         }
         entries => entries.with_context(context)?,
     };
-    let (mut files, mut bytes) = (0, 0);
+    let (mut files, mut bytes, mut left) = (0, 0, 0);
     for entry in entries {
-        let entry = entry.with_context(context)?;
-        let path = entry.path();
-        if entry.file_type()?.is_file() && is_to_be_cleared(&path, &entry.metadata()?, abandoned_after)? {
-            bytes += entry.metadata()?.len();
-            std::fs::remove_file(&path).with_context(|| format!("{}: cannot be deleted", path.display()))?;
-            files += 1;
+        let path = entry.with_context(context)?.path();
+        match clear_file(&path, abandoned_after) {
+            Ok(None) => (),
+            Ok(Some(length)) => (files, bytes) = (files + 1, bytes + length),
+            // A writer has made the whole file of it, or somebody else has cleared it.
+            Err(error) if error.kind() == io::ErrorKind::NotFound => (),
+            Err(error) => {
+                eprintln!("{}: left: {error}", path.display());
+                left += 1;
+            }
         }
     }
     println!("{}: deleted {files} files of {} bytes", directory.display(), count(bytes));
+    ensure!(left == 0, "{left} files could not be read or deleted");
     Ok(())
 }
 
-/// A file that begins like ours and has our ending, of whatever version, however damaged behind; or one that a writer
-/// began and no longer writes to.
-fn is_to_be_cleared(path: &Path, metadata: &Metadata, abandoned_after: Duration) -> Result<bool> {
-    let begins_like_ours = || is_cache_file(path).with_context(|| format!("{}: cannot be read", path.display()));
+/// Deletes a file that begins like ours and has our ending, of whatever version, however damaged behind; or one that a
+/// writer began and no longer writes to. How long it was; `None` for what stays.
+fn clear_file(path: &Path, abandoned_after: Duration) -> io::Result<Option<u64>> {
+    let metadata = path.symlink_metadata()?;
     let name = path.file_name().unwrap_or_default().to_string_lossy();
-    if name.starts_with(TEMPORARY_PREFIX) {
-        let is_abandoned = metadata.modified()?.elapsed().is_ok_and(|since| since >= abandoned_after);
-        return Ok(is_abandoned && (metadata.len() == 0 || begins_like_ours()?));
+    let is_candidate = if name.starts_with(TEMPORARY_PREFIX) {
+        metadata.modified()?.elapsed().is_ok_and(|since| since >= abandoned_after)
+    } else {
+        path.extension().is_some_and(|extension| extension == "bvh") && metadata.len() > 0
+    };
+    if !metadata.is_file() || !is_candidate || !is_cache_file(path)? {
+        return Ok(None);
     }
-    Ok(path.extension().is_some_and(|extension| extension == "bvh") && begins_like_ours()?)
+    std::fs::remove_file(path)?;
+    Ok(Some(metadata.len()))
 }

@@ -108,7 +108,7 @@ fn verify_catalogue(arguments: &Arguments) -> Result<()> {
 
 fn row(case: &Case, time: Duration, outcome: &Outcome) -> [String; 6] {
     let figures = outcome.figures.iter().map(|(name, value)| match value {
-        _ if value.fract() == 0.0 && *value < 1e15 => format!("{name} {}", count(*value as u64)),
+        _ if value.fract() == 0.0 && (0.0..1e15).contains(value) => format!("{name} {}", count(*value as u64)),
         _ => format!("{name} {value:.4}"),
     });
     [

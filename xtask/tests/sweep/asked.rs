@@ -33,8 +33,8 @@ fn a_sweep_file_says_what_is_measured() {
     assert_eq!(list(&["sweep", "--config", "own.toml", "--leaf-size", "2", "--threads", "1"], here).len(), 1);
 }
 
-/// A camera of one's own is a part of the plan and of each row's command. A scene without a mesh has no cache and no map
-/// of leaks, and is measured all the same.
+/// A camera of one's own is a part of the plan and of each row's command. A scene without a mesh has no cache and no
+/// map of leaks, and is measured all the same.
 #[test]
 fn a_camera_looks_at_a_sphere() {
     let folder = directory();

@@ -60,8 +60,8 @@ impl FlatBvh {
     }
 
     /// Loads the tree over `bounds` from the file; where there is none or it is refused, builds the tree and saves it,
-    /// as [`save`](Self::save) does, but not over a file that does not begin like a cache file or cannot be read. A tree
-    /// that is loaded has been held against `bounds`. What happened is in [`Cached::origin`].
+    /// as [`save`](Self::save) does, but not over a file that does not begin like a cache file or cannot be read. A
+    /// tree that is loaded has been held against `bounds`. What happened is in [`Cached::origin`].
     ///
     /// # Errors
     /// [`BuildError`] where the tree must be built and cannot be; a cache that fails is no error.

@@ -8,13 +8,17 @@ use thiserror::Error;
 use super::TreeLayout;
 use crate::{InvalidBvh, InvalidWideTree};
 
-/// Why a cache file is refused, or cannot be written: one variant for each cause, in the order in which a loader looks.
+/// Why a cache file is refused, or cannot be written: one variant for each cause, in the order in which a loader looks;
+/// the last is of writers.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum CacheError {
     /// The file cannot be opened, read or written.
     #[error("the cache file cannot be read or written: {0}; see that its path, its permissions and the disk are right")]
     Io(io::Error),
+    /// It begins like no cache file.
+    #[error("this is no cache file of a tree; give the name of one")]
+    NotACache,
     /// There are fewer bytes than the file says or must have.
     #[error(
         "the file has {found} of {expected} bytes: it was cut, or is still being copied; copy it again or rebuild it"
@@ -25,9 +29,6 @@ pub enum CacheError {
         /// How many there are.
         found: u64,
     },
-    /// It begins like no cache file.
-    #[error("this is no cache file of a tree; give the name of one")]
-    NotACache,
     /// It was written on a machine with the other byte order.
     #[error("the file comes from a machine with the other byte order; build the tree again on this one")]
     ByteOrder,
@@ -68,12 +69,12 @@ pub enum CacheError {
         /// How many there are.
         found: u64,
     },
-    /// A tree of another kind than was asked for.
+    /// A tree of another kind than was asked for; of a writer, options of another layout than the tree's.
     #[error("the layout is {found}, not {expected}; ask for what is there, or build the tree again")]
     OtherLayout {
-        /// What was asked for.
+        /// What was asked for, or is the tree's.
         expected: &'static str,
-        /// What is there.
+        /// What is in the file, or in the options.
         found: TreeLayout,
     },
     /// The tree was built over other geometry.
@@ -96,9 +97,9 @@ pub enum CacheError {
     /// The bytes are those that were written, but they are no tree.
     #[error("the file has no valid tree: {0}; rebuild it with this program")]
     Structure(InvalidTree),
-    /// `load_or_build` found a file that it does not replace: one that does not begin like a cache file, or cannot be
-    /// read.
-    #[error("what may be no cache file is left as it is; give another path, or delete it")]
+    /// There is something at the path that is not replaced: it does not begin like a cache file, or cannot be read.
+    /// (What is empty begins like one that was cut.)
+    #[error("what is there is no cache file, or cannot be read, and was left as it is; give another path")]
     Kept,
 }
 

@@ -23,8 +23,10 @@ pub(crate) fn write(to: &mut impl Write, header: &Header, sections: &[&[u8]]) ->
 
 /// Makes a file at `path`, or replaces the one there: under another name in the same directory, which is renamed when
 /// all of it is on the disk. Whoever opens `path` meanwhile gets the old file or the new one; of several writers the
-/// last wins; after a fault the old file is as it was.
+/// last wins; after a fault the old file is as it was. Of a link to a file it is that file which is replaced.
 pub(crate) fn save(path: &Path, header: &Header, sections: &[&[u8]]) -> Result<(), CacheError> {
+    let target = path.canonicalize();
+    let path = target.as_deref().unwrap_or(path);
     let directory = path.parent().filter(|directory| !directory.as_os_str().is_empty());
     let mut builder = tempfile::Builder::new();
     builder.prefix(TEMPORARY_PREFIX);

@@ -74,23 +74,23 @@ impl CacheInfo {
     }
 }
 
-/// Whether the file begins as cache files do, of whatever version and however damaged behind.
+/// Whether the file begins as cache files do, of whatever version and however damaged behind: with the same eight
+/// bytes, or as many of them as it has. So an empty one is a cache file that was cut.
 ///
 /// # Errors
 /// Where it cannot be read, or is no regular file.
 pub fn is_cache_file(path: impl AsRef<Path>) -> io::Result<bool> {
     let file = OpenFile::open(path.as_ref())?;
-    let mut begin = [0; MAGIC.len()];
-    if file.len() < begin.len() as u64 {
-        return Ok(false);
-    }
-    file.read_exact_at(0, &mut begin)?;
-    Ok(begin == MAGIC)
+    let mut begin = MAGIC;
+    let begin = &mut begin[..file.len().min(MAGIC.len() as u64) as usize];
+    file.read_exact_at(0, begin)?;
+    Ok(MAGIC.starts_with(begin))
 }
 
 /// Checks a file as far as that goes without the geometry: the header, all sums, and the structure. What is left is
-/// whether the boxes of binary and compact trees are around the primitives, which are not in the file, and whether any
-/// is missing: that a load checks.
+/// whether the boxes of binary and compact trees are around the primitives, which are not in the file, whether the
+/// vertices in blocks are those of the mesh, and whether any primitive is missing: that a load checks. Takes the memory
+/// of the file, and for a list of the primitives up to one and a half times as much.
 ///
 /// # Errors
 /// [`CacheError`]: what is wrong, and where.

@@ -7,6 +7,8 @@ use std::path::Path;
 
 use super::CacheError;
 #[cfg(feature = "build")]
+use super::is_cache_file;
+#[cfg(feature = "build")]
 use crate::BuildError;
 
 /// A tree that was loaded or built.
@@ -46,6 +48,9 @@ impl Origin {
             Self::Loaded | Self::Built { refused: None, not_saved: None } => None,
             Self::Built { refused: Some(refused), not_saved: None } => Some(format!("replaced: {refused}")),
             Self::Built { refused: None, not_saved: Some(error) } => Some(format!("not saved: {error}")),
+            Self::Built { refused: Some(refused), not_saved: Some(CacheError::Kept) } => {
+                Some(format!("left as it is, and not used: {refused}"))
+            }
             Self::Built { refused: Some(refused), not_saved: Some(error) } => {
                 Some(format!("not used: {refused}; and not replaced: {error}"))
             }
@@ -53,8 +58,8 @@ impl Origin {
     }
 }
 
-/// Loads; where that is refused, builds and saves. Only what begins like a cache file is replaced: a wrong path must not
-/// cost somebody's scene, nor a disk that fails to read for once a good tree.
+/// Loads; where that is refused, builds and saves. Only what begins like a cache file is replaced: a wrong path must
+/// not cost somebody's scene.
 #[cfg(feature = "build")]
 pub(crate) fn load_or_build<T>(
     path: &Path,
@@ -64,13 +69,17 @@ pub(crate) fn load_or_build<T>(
 ) -> Result<Cached<T>, BuildError> {
     let refused = match load(path) {
         Ok(tree) => return Ok(Cached { tree, origin: Origin::Loaded }),
-        Err(CacheError::Io(error)) if error.kind() == io::ErrorKind::NotFound => None,
+        Err(CacheError::Io(error)) if is_nothing_there(&error) => None,
         Err(refused) => Some(refused),
     };
     let tree = build()?;
-    let not_saved = match refused {
-        Some(CacheError::NotACache | CacheError::Io(_)) => Some(CacheError::Kept),
-        _ => save(&tree, path).err(),
-    };
+    // Asked after the build, which can take minutes.
+    let may_be_replaced = is_cache_file(path).unwrap_or_else(|error| is_nothing_there(&error));
+    let not_saved = if may_be_replaced { save(&tree, path).err() } else { Some(CacheError::Kept) };
     Ok(Cached { tree, origin: Origin::Built { refused, not_saved } })
+}
+
+#[cfg(feature = "build")]
+fn is_nothing_there(error: &io::Error) -> bool {
+    matches!(error.kind(), io::ErrorKind::NotFound | io::ErrorKind::NotADirectory)
 }

@@ -22,7 +22,7 @@
 //! geometry and options by their keys, and whatever is left by a look at the whole structure, since a sum proves
 //! nothing about who made it. One thing rests on the checksum: that the parts of a triangle make up all of it, where
 //! space was split. No file makes a program crash, hang, or allocate more than the file's size, a byte for each
-//! triangle of the mesh given, and 1 MiB.
+//! triangle of the mesh given, or in a binary tree the order once more, and 1 MiB.
 //!
 //! Is it worth it? `cargo xtask cache bench SCENE` measures what a load takes beside a build.
 

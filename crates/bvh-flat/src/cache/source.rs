@@ -1,6 +1,6 @@
 //! Where a file's bytes come from: any part of them at any time, from several threads.
 
-use std::fs::File;
+use std::fs::{File, Metadata};
 use std::io;
 use std::path::Path;
 
@@ -37,11 +37,10 @@ impl OpenFile {
     /// Opens a regular file: others may have no length, or no end.
     pub(crate) fn open(path: &Path) -> io::Result<Self> {
         // Before it is opened: that would wait for who writes to a pipe.
-        if !std::fs::metadata(path)?.is_file() {
-            return Err(io::Error::new(io::ErrorKind::InvalidInput, "not a regular file"));
-        }
+        is_regular(&std::fs::metadata(path)?)?;
         let file = File::open(path)?;
         let metadata = file.metadata()?;
+        is_regular(&metadata)?;
         Ok(Self {
             file,
             #[cfg(not(unix))]
@@ -49,6 +48,10 @@ impl OpenFile {
             len: metadata.len(),
         })
     }
+}
+
+fn is_regular(metadata: &Metadata) -> io::Result<()> {
+    if metadata.is_file() { Ok(()) } else { Err(io::Error::new(io::ErrorKind::InvalidInput, "not a regular file")) }
 }
 
 impl Source for OpenFile {

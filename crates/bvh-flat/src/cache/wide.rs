@@ -117,8 +117,8 @@ impl WideMesh {
         Self::take_or_build(path.as_ref(), read_arena, mesh.into(), config, layout)
     }
 
-    /// [`load_or_build`](Self::load_or_build), but that a file which is good is mapped, as [`map`](Self::map) does, with
-    /// its risk. A tree that had to be built is in the memory of this process; from the next call on it is shared.
+    /// [`load_or_build`](Self::load_or_build), but that a file which is good is mapped, as [`map`](Self::map) does,
+    /// with its risk. A tree that had to be built is in the memory of this process; from the next call on it is shared.
     ///
     /// # Errors
     /// As [`load_or_build`](Self::load_or_build).
@@ -262,9 +262,11 @@ fn line_count(arena: &SectionRecord) -> Result<usize, CacheError> {
 #[cfg_attr(not(feature = "mmap"), expect(clippy::useless_conversion, reason = "with `mmap` a type of its own"))]
 fn read_arena(source: &impl Source, header: &Header) -> Result<Arena, CacheError> {
     let record = &header.sections[0];
-    let _line_count = line_count(record)?;
+    let count = line_count(record)?;
+    #[cfg(not(feature = "mmap"))]
+    let _ = count;
     #[cfg(feature = "mmap")]
-    if let Some(mut pages) = LargePages::for_lines(_line_count) {
+    if let Some(mut pages) = LargePages::for_lines(count) {
         read_into(source, Section::Arena, record, bytemuck::cast_slice_mut(pages.lines_mut()))?;
         return Ok(Arena::from_all(pages.into_lines()));
     }
@@ -282,4 +284,18 @@ fn map_arena(file: &OpenFile, header: &Header) -> Result<Arena, CacheError> {
     let lines = map.lines(range).ok_or(CacheError::Truncated { expected, found: map.len() })?;
     section.check_sum(Section::Arena, sum_of_pieces(bytemuck::must_cast_slice(&lines)))?;
     Ok(Arena::from_all(lines))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_arena_is_as_long_as_that_of_a_tree() {
+        let longest = 64 * (MAX_LINES + LEAF_LINES) as u64;
+        for (length, is_possible) in [(0, true), (64, true), (65, false), (longest, true), (longest + 64, false)] {
+            let record = SectionRecord { offset: 512, length, sum: 0 };
+            assert_eq!(line_count(&record).is_ok(), is_possible, "{length}");
+        }
+    }
 }

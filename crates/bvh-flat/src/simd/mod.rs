@@ -130,8 +130,8 @@ pub(crate) trait Kernel {
     fn run<L: Lanes>(self) -> Self::Output;
 }
 
-/// Of the triangle in a lane of a leaf of `count`, whose numbers lie as blocks have them, the coordinates of the vertices
-/// along three axes. (The three numbers are taken modulo 8, 16 and 4, all of which are in range.)
+/// Of the triangle in a lane of a leaf of `count`, whose numbers lie as blocks have them, the coordinates of the
+/// vertices along three axes. (The three numbers are taken modulo 8, 16 and 4, all of which are in range.)
 #[inline(always)]
 pub(crate) fn load_triangle(leaf: &[f32; LEAF_NUMBERS], lane: usize, count: usize, axes: [usize; 3]) -> [[f32; 3]; 3] {
     let (lane, count) = (lane & 7, count & 15);

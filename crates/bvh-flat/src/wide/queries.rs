@@ -95,8 +95,8 @@ pub(crate) trait Answered<'a>: Query {
 
 /// The answer of a query `Q` of one ray.
 ///
-/// Rejected: to prepare the ray here, in registers, with what is rarely asked preparing it anew. Of 1533 instructions of
-/// a primary ray in sponza it took 81 away, and no time: the way to the first node waits as long for the reciprocals
+/// Rejected: to prepare the ray here, in registers, with what is rarely asked preparing it anew. Of 1533 instructions
+/// of a primary ray in sponza it took 81 away, and no time: the way to the first node waits as long for the reciprocals
 /// (sponza's and bunny's rays −2 to +4 %, kitchen's −4 to −3 %).
 #[inline(always)]
 pub(crate) fn answer<'a, Q: Answered<'a>>(

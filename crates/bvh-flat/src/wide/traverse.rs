@@ -67,10 +67,10 @@ impl<L: Lanes> Way<L> {
     /// Visits a node or a leaf: where the ray comes to next, or `None` at the end of its way.
     ///
     /// The nearest of the children that are met is next; of three and more the others follow in the order of the ray's
-    /// octant. Rejected: two in scalar numbers, without a branch (sponza and kitchen 1 % faster, bunny and dragon as much
-    /// slower); the order of the octant for all, with which kitchen's primary rays visit 8.7 nodes and test
-    /// 8.8 triangles instead of 8.3 and 6.8; and the others in no order, with which sponza's diffuse rays visit 12.3
-    /// and test 11.1 instead of 11.8 and 10.1.
+    /// octant. Rejected: two in scalar numbers, without a branch (sponza and kitchen 1 % faster, bunny and dragon as
+    /// much slower); the order of the octant for all, with which kitchen's primary rays visit 8.7 nodes and test 8.8
+    /// triangles instead of 8.3 and 6.8; and the others in no order, with which sponza's diffuse rays visit 12.3 and
+    /// test 11.1 instead of 11.8 and 10.1.
     ///
     /// Any hit is found sooner by way of the nearest too (8 % less time for bunny's and the hairball's shadow rays, 4 %
     /// for black-forest's, 4 % more for terrain-rainier's), but the order of the others does not pay. Rejected: first

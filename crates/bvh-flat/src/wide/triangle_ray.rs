@@ -124,8 +124,8 @@ impl TriangleRay {
     }
 }
 
-/// The reciprocal and the error of the origin, of which `size` is the largest coordinate, of a ray that may be rounded or
-/// have numbers that are not usual.
+/// The reciprocal and the error of the origin, of which `size` is the largest coordinate, of a ray that may be rounded
+/// or have numbers that are not usual.
 ///
 /// Returned in registers. (A ray that came back in memory was read as vectors right after it was written number by
 /// number, and such a load waits.)
@@ -140,7 +140,8 @@ fn careful(rdz: f32, size: f32, is_rounded: bool) -> (f32, f32) {
 
 impl<L: Lanes> FilterRay<L> {
     /// What there is in each of `lanes`: a hit of the triangle of three vertices, given along the ray's axes one after
-    /// the other, of which d is an extent or more and `least` the [least error](Self::least), with t in an open interval.
+    /// the other, of which d is an extent or more and `least` the [least error](Self::least), with t in an open
+    /// interval.
     ///
     /// With u = 2⁻²⁴, D the largest extent of any of the triangles along an axis, and m = |A_z| + D, which bounds the
     /// depths of all three vertices. A sheared coordinate x = pₓ − Sₓ p_z is wrong by δ <= u (6m + 2R), where R bounds

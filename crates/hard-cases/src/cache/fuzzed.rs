@@ -10,8 +10,9 @@ use bvh_flat::{FlatBvh, MeshBvh, WideMesh};
 
 use super::forge::reseal;
 
-/// Where the header has the key of the geometry.
+/// Where the header has the key of the geometry, and the number of repeats.
 const GEOMETRY_KEY: std::ops::Range<usize> = 72..88;
+const REPEATS: std::ops::Range<usize> = 120..128;
 
 /// 24 triangles: the faces of four boxes of which none is at the origin, with a few shared corners.
 pub fn mesh() -> TriangleMesh {
@@ -29,7 +30,7 @@ pub fn mesh() -> TriangleMesh {
 }
 
 /// Loads `data` as a file over [`mesh`] with right sums and the right key. A tree that is accepted must give the hits
-/// of the mesh.
+/// of the mesh; where space was split, of which parts may be missing (FORMAT.md), none that is closer.
 pub fn check(data: &[u8]) {
     static ANSWERS: OnceLock<Answers> = OnceLock::new();
     let answers = ANSWERS.get_or_init(Answers::new);
@@ -41,11 +42,11 @@ pub fn check(data: &[u8]) {
     }
     reseal(&mut file);
     if let Ok(tree) = WideMesh::from_bytes(&file, Arc::clone(&answers.mesh), None) {
-        answers.compare(&tree);
+        answers.compare(&tree, file.get(REPEATS).is_some_and(|repeats| repeats.iter().any(|&byte| byte != 0)));
     }
     let tree = FlatBvh::from_bytes(&file, answers.key, None);
     if let Some(tree) = tree.ok().and_then(|tree| MeshBvh::from_parts(Arc::clone(&answers.mesh), tree).ok()) {
-        answers.compare(&tree.exact());
+        answers.compare(&tree.exact(), false);
     }
 }
 
@@ -78,9 +79,12 @@ impl Answers {
         Self { mesh, key, key_bytes: digits.to_le_bytes(), hits }
     }
 
-    fn compare(&self, shape: &dyn Shape) {
+    fn compare(&self, shape: &dyn Shape, may_miss: bool) {
         for (ray, hit) in &self.hits {
-            assert_eq!(bits(shape.intersect(ray, Interval::FULL)), *hit, "{ray:?}");
+            let found = bits(shape.intersect(ray, Interval::FULL));
+            // The bits of numbers that are not negative are in their order.
+            let is_behind = found.is_none_or(|(t, _)| hit.is_some_and(|(closest, _)| closest <= t));
+            assert!(found == *hit || (may_miss && is_behind), "{found:?} instead of {hit:?}: {ray:?}");
         }
     }
 }

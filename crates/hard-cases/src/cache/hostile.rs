@@ -174,7 +174,7 @@ pub(super) fn structures(run: &Run) -> Outcome {
             if let TreeLayout::Wide(wide) = layout {
                 let mesh = deep_mesh(&mut random);
                 named(&mut tries, &mesh, &file_of(&mesh, layout), wide, &[]);
-                split_trees::structures(&mut tries, run, wide, &mut random);
+                tries = tries.and(split_trees::structures(run, wide, &mut random));
             }
             let flipped = flips(run, &mesh, layout, &mut random);
             tries = tries.and(flipped);

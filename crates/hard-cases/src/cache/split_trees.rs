@@ -18,7 +18,8 @@ const REPEATS: usize = 30;
 
 /// Every damage is refused by its name and other numbers of repeats are seen; whatever is accepted answers with hits of
 /// the mesh, if not with all of them.
-pub(super) fn structures(tries: &mut Tries, run: &Run, layout: WideLayout, random: &mut Random) {
+pub(super) fn structures(run: &Run, layout: WideLayout, random: &mut Random) -> Tries {
+    let mut tries = Tries::new();
     let config =
         BuildConfig::highest().with_spatial_splits(Some(SpatialSplits::new(0.0, 1.0).with_least_references(2)));
     let options = TreeOptions::new(&config, TreeLayout::Wide(layout));
@@ -30,7 +31,7 @@ pub(super) fn structures(tries: &mut Tries, run: &Run, layout: WideLayout, rando
     // Compact leaves have no vertices, and whether parts make up all of a triangle is not seen (FORMAT.md says so).
     let but_for =
         if layout == WideLayout::Compact { ["the primitives of two leaves, exchanged"].as_slice() } else { &[] };
-    named(tries, &mesh, &file, layout, but_for);
+    named(&mut tries, &mesh, &file, layout, but_for);
     for value in [0, 1, u32::MAX] {
         let mut words = Words(file.clone());
         words.set(REPEATS, value);
@@ -45,14 +46,20 @@ pub(super) fn structures(tries: &mut Tries, run: &Run, layout: WideLayout, rando
         let bit = 8 * 512 + random.below(8 * (file.len() - 512));
         file[bit / 8] ^= 1 << (bit % 8);
         reseal(&mut file);
-        if let Ok(shape) = load(&file) {
-            harmless += 1;
-            let is_of_the_mesh = hits_are_of(&shape, &mesh, &exact);
-            tries.check(is_of_the_mesh, || format!("{} with splits, bit {bit}: no hit of the mesh", layout.name()));
+        match load(&file) {
+            Ok(shape) => {
+                harmless += 1;
+                let is_of_the_mesh = hits_are_of(&shape, &mesh, &exact);
+                tries.check(is_of_the_mesh, || format!("{} with splits, bit {bit}: no hit of the mesh", layout.name()));
+            }
+            Err(CacheError::Checksum { .. }) => tries.check(false, || format!("bit {bit}: not resealed")),
+            Err(_) => tries.check(true, String::new),
         }
         file[bit / 8] ^= 1 << (bit % 8);
     }
+    tries.check(harmless > 0, || "no flip was harmless".into());
     tries.figure("harmless flips with splits", f64::from(harmless));
+    tries
 }
 
 /// Whether each hit is that of its triangle alone, and none is before the closest.

@@ -14,9 +14,9 @@ pub(super) const DETACHMENT: f64 = 4.0;
 
 const NEAR_GRAZES: &str = "near grazes";
 
-/// A trial: of 10⁶ hits one, and one more, is hit again so near by an exact ray that starts where f32 has a place. (In
-/// one of 3.4 · 10⁶ it was 1.3 ulp above a triangle of 60 ulp, of a ball of coordinates of 10⁴, and hit another one at
-/// the same vertex, in whose plane the exact point was 0.3 ulp too deep for that.)
+/// A trial: there is at most one near graze for each 10⁶ hits, and one more. (One of 3.4 · 10⁶ rays was spawned 1.3 ulp
+/// above a triangle of 60 ulp, of a ball at coordinates of 10⁴, and met another at the same vertex; the exact point is
+/// 0.3 ulp behind the plane of that.)
 pub(super) fn require_few_grazes(findings: &mut Findings) {
     let (near, hits) = (findings.counted(NEAR_GRAZES), findings.counted("hits"));
     findings.check(near <= 1 + hits / 1_000_000, || format!("{near} near grazes of {hits} hits"));
@@ -56,8 +56,8 @@ impl Scenery<'_> {
         Some(Departure { primitive: hit.primitive, p, interaction: (self.interaction)(ray, &hit)?, n })
     }
 
-    /// A trial: a ray is spawned towards `direction`; what it hits, the exact half-line from the exact
-    /// point hits or nearly misses; its origin is on the side to which it goes, or in the plane.
+    /// A trial: a ray is spawned towards `direction`, from the side to which it goes or from the plane, and has no
+    /// acne.
     pub(super) fn depart(&self, from: &Departure, direction: Vec3, findings: &mut Findings) -> Option<Hit> {
         let ray = from.interaction.spawn_ray(direction);
         self.judge_origin(from, &ray, findings);
@@ -78,10 +78,10 @@ impl Scenery<'_> {
         });
     }
 
-    /// A trial: the spawned ray does not hit the departed triangle or another in its plane; and what it hits, an exact
-    /// ray from its origin hits. Its origin cannot be the exact point, for which f32 has no place, so it sees another
-    /// picture than is seen from there, and two things cannot be avoided, but are counted: it starts beyond another
-    /// surface (a tunnel), or it hits a triangle whose plane is not ahead of the exact point (a graze). Those grazes are
+    /// A trial: the spawned ray does not hit the departed triangle, nor another in its plane. Its origin cannot be the
+    /// exact point, for which f32 has no place, so it sees another picture than is seen from there, and two things
+    /// cannot be avoided, but are counted: it starts beyond another surface (a tunnel), or it hits a triangle whose
+    /// plane is not ahead of the exact point (a graze), as an exact ray from its origin then must too. Grazes are
     /// counted apart that are as near as the origin may be moved: see [`require_few_grazes`].
     pub(super) fn judge_acne(
         &self,

@@ -102,7 +102,7 @@ fn r04(run: &Run) -> Outcome {
 }
 
 /// From a hit on a surface to a hit on the same or another side of it, both ends moved off: what stands between the
-/// ends is neither of the two, nor anything that touches them.
+/// ends is neither of the two, nor anything in their planes, nor, but for few grazes, what touches them.
 fn r06(run: &Run) -> Outcome {
     let ray_to = |specimen: &Specimen, random: &mut Random| {
         let bounds = specimen.shape.object_bound();

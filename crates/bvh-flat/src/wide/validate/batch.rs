@@ -67,8 +67,8 @@ impl Batch {
         self.count += leaf.count;
     }
 
-    /// Whether each leaf is zero behind its triangles, and these are primitives that are not in another, in their boxes,
-    /// as large as it says, and those of the mesh. Then there are no leaves any more.
+    /// Whether each leaf is zero behind its triangles, and these are primitives that are not in another, in their
+    /// boxes, as large as it says, and those of the mesh. Then there are no leaves any more.
     #[inline(always)]
     pub(super) fn check<L: Lanes, Y: CheckedLayout>(
         &mut self,
@@ -184,9 +184,9 @@ fn lanes<const N: usize>(numbers: &[f32; N], first: usize) -> &[f32; LANES] {
     numbers[first..].first_chunk().unwrap_or(&[0.0; LANES])
 }
 
-/// Whether the vertices of a leaf's triangles are between planes, or with spatial splits on both sides at most, and none
-/// so far out that rays do not meet its triangle; and its first number is one ulp more than the largest extent of any of
-/// them.
+/// Whether the vertices of a leaf's triangles are between planes, or with spatial splits on both sides at most, and
+/// none so far out that rays do not meet its triangle; and its first number is one ulp more than the largest extent of
+/// any of them.
 #[inline(always)]
 fn is_within<L: Lanes>(
     extent_above: f32,
