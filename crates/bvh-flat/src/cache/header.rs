@@ -17,8 +17,7 @@ pub(crate) const HEADER_BYTES: usize = 512;
 /// Sections begin at multiples of it.
 pub(crate) const ALIGNMENT: u64 = 64;
 
-/// The first bytes.
-pub(crate) const MAGIC: [u8; 8] = *b"\x89BVH\r\n\x1a\n";
+const MAGIC: [u8; 8] = *b"\x89BVH\r\n\x1a\n";
 const BYTE_ORDER: u32 = 0x0102_0304;
 const FOREVER_BYTES: usize = 16;
 const SUM_AT: usize = 16;
@@ -166,7 +165,7 @@ impl Header {
         let available = &mut header[..found.min(HEADER_BYTES as u64) as usize];
         source.read_exact_at(0, available)?;
         // A file that begins like another kind is that, even if it is short.
-        if available[..available.len().min(8)] != MAGIC[..available.len().min(8)] {
+        if !begins_like_ours(available) {
             return Err(CacheError::NotACache);
         }
         if found < FOREVER_BYTES as u64 {
@@ -242,6 +241,11 @@ impl Header {
             _ => Ok(()),
         }
     }
+}
+
+/// Whether bytes begin with the magic, or are fewer and as it begins.
+pub(crate) fn begins_like_ours(bytes: &[u8]) -> bool {
+    MAGIC.starts_with(&bytes[..bytes.len().min(MAGIC.len())])
 }
 
 /// The bytes from `at` on, inside of the header.

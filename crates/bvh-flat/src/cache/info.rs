@@ -5,7 +5,7 @@ use std::path::Path;
 
 use geometry::Bounds3;
 
-use super::header::{Header, MAGIC};
+use super::header::{Header, begins_like_ours};
 use super::source::{OpenFile, Source};
 use super::{CacheError, GeometryKey, TreeLayout, TreeOptions};
 use crate::FlatBvh;
@@ -81,10 +81,10 @@ impl CacheInfo {
 /// Where it cannot be read, or is no regular file.
 pub fn is_cache_file(path: impl AsRef<Path>) -> io::Result<bool> {
     let file = OpenFile::open(path.as_ref())?;
-    let mut begin = MAGIC;
-    let begin = &mut begin[..file.len().min(MAGIC.len() as u64) as usize];
+    let mut begin = [0; 8];
+    let begin = &mut begin[..file.len().min(8) as usize];
     file.read_exact_at(0, begin)?;
-    Ok(MAGIC.starts_with(begin))
+    Ok(begins_like_ours(begin))
 }
 
 /// Checks a file as far as that goes without the geometry: the header, all sums, and the structure. What is left is

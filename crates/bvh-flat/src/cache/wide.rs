@@ -252,21 +252,18 @@ fn check_counts(header: &Header, found: &WideCounts, tree: &WideTree, primitives
     if is_number { Ok(()) } else { Err(CacheError::Header("the expected steps are no number")) }
 }
 
-/// The lines of an arena that a tree can have: what is longer need not be read.
-fn line_count(arena: &SectionRecord) -> Result<usize, CacheError> {
-    let count = arena.entries::<Line>()?;
-    let is_possible = count <= MAX_LINES + LEAF_LINES;
-    if is_possible { Ok(count) } else { Err(CacheError::Header("its arena is longer than that of any tree")) }
+/// An arena longer than that of any tree need not be read.
+fn check_length(arena: &SectionRecord) -> Result<(), CacheError> {
+    let is_possible = arena.entries::<Line>()? <= MAX_LINES + LEAF_LINES;
+    if is_possible { Ok(()) } else { Err(CacheError::Header("its arena is longer than that of any tree")) }
 }
 
 #[cfg_attr(not(feature = "mmap"), expect(clippy::useless_conversion, reason = "with `mmap` a type of its own"))]
 fn read_arena(source: &impl Source, header: &Header) -> Result<Arena, CacheError> {
     let record = &header.sections[0];
-    let count = line_count(record)?;
-    #[cfg(not(feature = "mmap"))]
-    let _ = count;
+    check_length(record)?;
     #[cfg(feature = "mmap")]
-    if let Some(mut pages) = LargePages::for_lines(count) {
+    if let Some(mut pages) = LargePages::for_lines(record.entries::<Line>()?) {
         read_into(source, Section::Arena, record, bytemuck::cast_slice_mut(pages.lines_mut()))?;
         return Ok(Arena::from_all(pages.into_lines()));
     }
@@ -278,7 +275,7 @@ fn read_arena(source: &impl Source, header: &Header) -> Result<Arena, CacheError
 fn map_arena(file: &OpenFile, header: &Header) -> Result<Arena, CacheError> {
     let map = Map::new(&file.file)?;
     let section = &header.sections[0];
-    line_count(section)?;
+    check_length(section)?;
     let range = section.offset as usize..(section.offset + section.length) as usize;
     let expected = range.end as u64;
     let lines = map.lines(range).ok_or(CacheError::Truncated { expected, found: map.len() })?;
@@ -295,7 +292,7 @@ mod tests {
         let longest = 64 * (MAX_LINES + LEAF_LINES) as u64;
         for (length, is_possible) in [(0, true), (64, true), (65, false), (longest, true), (longest + 64, false)] {
             let record = SectionRecord { offset: 512, length, sum: 0 };
-            assert_eq!(line_count(&record).is_ok(), is_possible, "{length}");
+            assert_eq!(check_length(&record).is_ok(), is_possible, "{length}");
         }
     }
 }

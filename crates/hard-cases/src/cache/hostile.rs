@@ -9,7 +9,7 @@ use geometry::{Hit, Interval, Shape, TraversalRay, TriangleMesh};
 use super::{LAYOUTS, file_of, load, reseal, small_mesh, split_trees, wide_chain};
 use crate::build::sweep::{expected, rays_at};
 use crate::exact_triangles::ExactTriangles;
-use crate::{Outcome, Random, Run, Tries};
+use crate::{AnyShape, Outcome, Random, Run, Tries};
 
 /// The words of a file.
 pub(super) struct Words(pub(super) Vec<u8>);
@@ -176,8 +176,11 @@ pub(super) fn structures(run: &Run) -> Outcome {
                 named(&mut tries, &mesh, &file_of(&mesh, layout), wide, &[]);
                 tries = tries.and(split_trees::structures(run, wide, &mut random));
             }
-            let flipped = flips(run, &mesh, layout, &mut random);
-            tries = tries.and(flipped);
+            let exact = expected(&ExactTriangles::new(Arc::clone(&mesh)), &rays_at(&mesh, 40, &mut random));
+            let load = |file: &[u8]| load(file, &mesh, layout);
+            let is_right = |shape: &AnyShape| answers_alike(&**shape, &exact);
+            let (file, count) = (file_of(&mesh, layout), run.effort.pick(4_000, 100_000));
+            tries = tries.and(flips(&layout.to_string(), "harmless flips", file, count, &mut random, load, is_right));
             recorded(&mut tries, &mesh, layout);
         }
     }
@@ -217,29 +220,35 @@ pub(super) fn named(tries: &mut Tries, mesh: &Arc<TriangleMesh>, file: &[u8], la
     }
 }
 
-/// Any bit of the sections may be flipped: either the tree is refused, or it answers as if nothing had happened, as
-/// where a box became larger inside of that above.
-fn flips(run: &Run, mesh: &Arc<TriangleMesh>, layout: TreeLayout, random: &mut Random) -> Tries {
+/// Any bit of the sections may be flipped: either the tree is refused, or it answers as it must, as where a box became
+/// larger inside of that above.
+pub(super) fn flips<S>(
+    name: &str,
+    figure: &'static str,
+    mut file: Vec<u8>,
+    count: usize,
+    random: &mut Random,
+    load: impl Fn(&[u8]) -> Result<S, CacheError>,
+    is_right: impl Fn(&S) -> bool,
+) -> Tries {
     let mut tries = Tries::new();
-    let rays = rays_at(mesh, 40, random);
-    let exact = expected(&ExactTriangles::new(Arc::clone(mesh)), &rays);
-    let mut file = file_of(mesh, layout);
     let mut harmless = 0;
-    for _ in 0..run.effort.pick(4_000, 100_000) {
+    for _ in 0..count {
         let bit = 8 * 512 + random.below(8 * (file.len() - 512));
         file[bit / 8] ^= 1 << (bit % 8);
         reseal(&mut file);
-        match load(&file, mesh, layout) {
+        match load(&file) {
             Ok(shape) => {
                 harmless += 1;
-                tries.check(answers_alike(&*shape, &exact), || format!("{layout}, bit {bit}: accepted, other answers"));
+                tries.check(is_right(&shape), || format!("{name}, bit {bit}: accepted, wrong answers"));
             }
-            Err(CacheError::Checksum { .. }) => tries.check(false, || format!("{layout}, bit {bit}: not resealed")),
+            Err(CacheError::Checksum { .. }) => tries.check(false, || format!("{name}, bit {bit}: not resealed")),
             Err(_) => tries.check(true, String::new),
         }
         file[bit / 8] ^= 1 << (bit % 8);
     }
-    tries.figure("harmless flips", f64::from(harmless));
+    tries.check(harmless > 0, || format!("{name}: no flip was harmless"));
+    tries.figure(figure, f64::from(harmless));
     tries
 }
 

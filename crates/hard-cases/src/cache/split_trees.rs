@@ -7,7 +7,7 @@ use bvh_flat::cache::{CacheError, TreeLayout, TreeOptions};
 use bvh_flat::{BuildConfig, WideLayout, WideMesh};
 use geometry::{Hit, Interval, Shape, TraversalRay, TriangleMesh};
 
-use super::hostile::{Words, named};
+use super::hostile::{Words, flips, named};
 use super::reseal;
 use crate::build::sweep::{expected, rays_at};
 use crate::exact_triangles::ExactTriangles;
@@ -25,7 +25,7 @@ pub(super) fn structures(run: &Run, layout: WideLayout, random: &mut Random) -> 
     let options = TreeOptions::new(&config, TreeLayout::Wide(layout));
     let mesh = Arc::new(crate::build::meshes::needles(600, random));
     let tree = WideMesh::build_observed(Arc::clone(&mesh), &config, layout, &()).expect("a valid config");
-    let mut file = tree.to_bytes(&options).expect("a built tree can be saved");
+    let file = tree.to_bytes(&options).expect("a built tree can be saved");
     let load = |file: &[u8]| WideMesh::from_bytes(file, Arc::clone(&mesh), None);
     tries.check(Words(file.clone()).get(REPEATS) > 100 && load(&file).is_ok(), || "no tree with splits".into());
     // Compact leaves have no vertices, and whether parts make up all of a triangle is not seen (FORMAT.md says so).
@@ -41,25 +41,9 @@ pub(super) fn structures(run: &Run, layout: WideLayout, random: &mut Random) -> 
         tries.check(is_refused, || format!("{}, {value} repeats: {}", layout.name(), super::variant(&loaded)));
     }
     let exact = expected(&ExactTriangles::new(Arc::clone(&mesh)), &rays_at(&mesh, 40, random));
-    let mut harmless = 0;
-    for _ in 0..run.effort.pick(1_000, 20_000) {
-        let bit = 8 * 512 + random.below(8 * (file.len() - 512));
-        file[bit / 8] ^= 1 << (bit % 8);
-        reseal(&mut file);
-        match load(&file) {
-            Ok(shape) => {
-                harmless += 1;
-                let is_of_the_mesh = hits_are_of(&shape, &mesh, &exact);
-                tries.check(is_of_the_mesh, || format!("{} with splits, bit {bit}: no hit of the mesh", layout.name()));
-            }
-            Err(CacheError::Checksum { .. }) => tries.check(false, || format!("bit {bit}: not resealed")),
-            Err(_) => tries.check(true, String::new),
-        }
-        file[bit / 8] ^= 1 << (bit % 8);
-    }
-    tries.check(harmless > 0, || "no flip was harmless".into());
-    tries.figure("harmless flips with splits", f64::from(harmless));
-    tries
+    let is_right = |shape: &WideMesh| hits_are_of(shape, &mesh, &exact);
+    let (name, count) = (format!("{} with splits", layout.name()), run.effort.pick(1_000, 20_000));
+    tries.and(flips(&name, "harmless flips with splits", file, count, random, load, is_right))
 }
 
 /// Whether each hit is that of its triangle alone, and none is before the closest.
