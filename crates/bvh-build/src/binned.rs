@@ -27,11 +27,11 @@ pub(crate) fn is_for(config: &BuildConfig) -> bool {
     config.split_method == SplitMethod::Sah && config.axes == SplitAxes::All
 }
 
-/// The subtree of `prims`, with no node deeper than `limit`, and their indices in the order of its leaves.
-pub(crate) fn grow(prims: &mut [PrimInfo], rules: &Rules) -> Result<(Subtree, Vec<u32>), Cancelled> {
+/// The subtree of `prims`, whose extent is `extent`, with no node deeper than `limit`, and their indices in the order of
+/// its leaves.
+pub(crate) fn grow(prims: &mut [PrimInfo], extent: Extent, rules: &Rules) -> Result<(Subtree, Vec<u32>), Cancelled> {
     let mut other = Room::zeroed(prims.len());
     let mut order = vec![0; prims.len()];
-    let extent = Extent::of_many(prims, rules.progress)?;
     let group = Group { prims, other: &mut other, order: &mut order, first: 0, extent, rules };
     Ok((Subtree::grow(group, 1, rules.progress)?, order))
 }

@@ -3,9 +3,8 @@
 use geometry::Bounds3;
 
 use crate::depth::{MAX_DEPTH, MAX_PRIMITIVES};
-use crate::prim_info::{Extent, PrimInfo};
+use crate::prim_info::{ActivePrims, PrimInfo};
 use crate::recursive::{Group, Rules};
-use crate::room::Room;
 use crate::subtree::{SEQUENTIAL, Subtree};
 use crate::{
     BuildConfig, BuildError, BuildObserver, Cancelled, ClippedBounds, Node, Phase, ProgressReporter, SpatialSplits,
@@ -67,10 +66,11 @@ fn build_clipped(
     let splits = config.spatial_splits.filter(|_| config.split_method == SplitMethod::Sah).zip(clipped);
     let most = splits.map_or(0, |(splits, _)| splits.room(count));
     check_count(count.saturating_add(most))?;
-    let (mut prims, active) = ProgressReporter::observe(observer, Phase::Bounds, count, |progress| {
-        PrimInfo::active(count, most, bounds, progress)
+    let mut active = ProgressReporter::observe(observer, Phase::Bounds, count, |progress| {
+        ActivePrims::new(count, most, bounds, progress)
     })?;
-    let is_tiny = tiny::scale(&mut prims[..active]);
+    let active_count = active.count;
+    let is_tiny = tiny::scale(&mut active);
     // With reinsertion: which primitives a leaf should have is known better from below.
     let max_in_leaf = if config.reinsertion.is_some() { 1 } else { config.max_primitives_in_leaf };
     let growth = config.with_max_primitives_in_leaf(max_in_leaf);
@@ -79,17 +79,13 @@ fn build_clipped(
     let is_within_blocks = splits.is_some() && config.max_primitives_in_leaf as usize <= SEQUENTIAL;
     let merging = (may_merge && is_within_blocks).then_some(config);
     let (mut nodes, mut order) = match splits {
-        Some((splits, clipped)) if active > 0 => {
-            prims.truncate(active + splits.room(active));
+        Some((splits, clipped)) if active_count > 0 => {
+            active.room.truncate(active_count + splits.room(active_count));
             let of_tiny = |index: u32, to: &Bounds3| tiny::clipped(clipped, index, to);
             let clipped = if is_tiny { &of_tiny } else { clipped };
-            grow_split(prims, active, &splits, clipped, &growth, merging, observer)?
+            grow_split(active, &splits, clipped, &growth, merging, observer)?
         }
-        _ => {
-            let grown = grow(&mut prims[..active], &growth, observer)?;
-            drop(prims);
-            grown
-        }
+        _ => grow(active, &growth, observer)?,
     };
     if let Some(options) = &config.reinsertion {
         let most = reinsertion::most_examined(nodes.len(), options);
@@ -104,7 +100,7 @@ fn build_clipped(
     if is_tiny {
         tiny::scale_back(&mut nodes);
     }
-    Ok(finish(nodes, order, [active, count], config, observer)?)
+    Ok(finish(nodes, order, [active_count, count], config, observer)?)
 }
 
 impl Tree {
@@ -133,47 +129,52 @@ impl Tree {
 }
 
 /// The nodes and the order of a tree.
-type Parts = (Vec<Node>, Vec<u32>);
+pub(crate) type Parts = (Vec<Node>, Vec<u32>);
 
-/// Those of the tree over `prims`.
-fn grow(prims: &mut [PrimInfo], config: &BuildConfig, observer: &dyn BuildObserver) -> Result<Parts, Cancelled> {
+/// Those of the tree over `active` primitives.
+fn grow(mut active: ActivePrims, config: &BuildConfig, observer: &dyn BuildObserver) -> Result<Parts, Cancelled> {
+    let extent = active.extent;
+    let prims = active.prims();
     if prims.is_empty() {
         return Ok((Vec::new(), Vec::new()));
     }
     if config.split_method == SplitMethod::Hlbvh {
-        return hlbvh::build(prims, config, observer);
+        return hlbvh::build(prims, &extent, config, observer);
     }
     if binned::is_for(config) {
-        let (root, order) =
-            recursion(observer, prims.len(), |progress| binned::grow(prims, &Rules::new(config, MAX_DEPTH, progress)))?;
-        return assembly(root, order.len(), |place| order[place], None, observer);
+        let (root, order) = recursion(observer, prims.len(), |progress| {
+            binned::grow(prims, extent, &Rules::new(config, MAX_DEPTH, progress))
+        })?;
+        return assembly(root, &order, observer);
     }
     let root = recursion(observer, prims.len(), |progress| {
         let rules = Rules::new(config, MAX_DEPTH, progress);
-        Subtree::grow(Group::new(prims, 0, &rules)?, 1, progress)
+        Subtree::grow(Group::with_extent(prims, 0, extent, &rules), 1, progress)
     })?;
-    assembly(root, prims.len(), |place| prims[place].index(), None, observer)
+    let indices: Vec<u32> = prims.iter().map(PrimInfo::index).collect();
+    assembly(root, &indices, observer)
 }
 
-/// As [`grow`], where space may be split: the first `count` of `room` are references to all of the primitives; and with
-/// leaves merged, if so.
+/// As [`grow`], where space may be split, and there is room for so many more references to primitives; and with leaves
+/// merged, if so.
 fn grow_split(
-    mut room: Room<PrimInfo>,
-    count: usize,
+    active: ActivePrims,
     splits: &SpatialSplits,
     clipped: &ClippedBounds,
     config: &BuildConfig,
     merging: Option<&BuildConfig>,
     observer: &dyn BuildObserver,
 ) -> Result<Parts, Cancelled> {
+    let ActivePrims { mut room, count, extent } = active;
     let root = recursion(observer, room.len(), |progress| {
-        let extent = Extent::of_many(&room[..count], progress)?;
         let setting = spatial::Setting::new(Rules::new(config, MAX_DEPTH, progress), splits, clipped, &extent);
         Subtree::grow(spatial::Group::new(&mut room, count, extent, &setting), 1, progress)
     })?;
     let indices: Vec<u32> = room.iter().map(PrimInfo::index).collect();
     drop(room); // Nothing takes more memory than the nodes of now and these.
-    assembly(root, indices.len(), |place| indices[place], merging, observer)
+    ProgressReporter::observe(observer, Phase::Assembly, root.node_count(), |progress| {
+        root.assemble_references(&indices, merging, progress)
+    })
 }
 
 fn recursion<T>(
@@ -185,16 +186,8 @@ fn recursion<T>(
 }
 
 /// See [`Subtree::assemble`].
-fn assembly(
-    root: Subtree,
-    count: usize,
-    index: impl Fn(usize) -> u32,
-    merging: Option<&BuildConfig>,
-    observer: &dyn BuildObserver,
-) -> Result<Parts, Cancelled> {
-    ProgressReporter::observe(observer, Phase::Assembly, root.node_count(), |progress| {
-        root.assemble(count, index, merging, progress)
-    })
+pub(crate) fn assembly(root: Subtree, indices: &[u32], observer: &dyn BuildObserver) -> Result<Parts, Cancelled> {
+    ProgressReporter::observe(observer, Phase::Assembly, root.node_count(), |progress| root.assemble(indices, progress))
 }
 
 /// The tree of `nodes` with its statistics, as the observer is told; `counts` are those of active primitives and of

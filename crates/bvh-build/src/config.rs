@@ -61,9 +61,9 @@ impl SplitAxes {
 /// 2¹⁰ or 2²¹ of them along the longest axis of the centroids' bounds. (pbrt stretches the cells to the bounds.)
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum MortonBits {
-    /// 63 where more than half of the primitives are smaller than one cell of the 30-bit grid, that is, where their
-    /// largest extent is below 1/1024 of the largest extent of all centroids' bounds; else 30. Beyond that point
-    /// 30 bits begin to put neighbours into one cell.
+    /// 63 where more than half of the primitives (of several thousands among them, where they are more) are smaller
+    /// than one cell of the 30-bit grid, that is, where their largest extent is below 1/1024 of the largest extent of
+    /// all centroids' bounds; else 30. Beyond that point 30 bits begin to put neighbours into one cell.
     #[default]
     Auto,
     /// 10 bits for each axis, as in pbrt. The fastest to sort.

@@ -66,6 +66,7 @@
 
 #![warn(missing_debug_implementations, clippy::return_self_not_must_use)]
 
+mod assembly;
 mod binned;
 mod builder;
 mod config;

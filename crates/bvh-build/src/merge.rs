@@ -1,8 +1,6 @@
 //! Leaves of several primitives, where these cost less than a subtree.
 
-use std::ops::Range;
-
-use crate::subtree::append_leaf;
+use crate::assembly::append_leaf;
 use crate::{BuildConfig, Cancelled, Node, NodeKind, ProgressReporter};
 
 /// The tree of `nodes` and `order` with [merged](append) leaves.
@@ -50,21 +48,12 @@ pub(crate) fn append(
             _ => {
                 let below = &subtree[next..][..rated.node_count as usize];
                 next += below.len();
-                let (first, count) = append_leaf(order, below.iter().flat_map(places).map(index));
-                NodeKind::Leaf { first, count }
+                append_leaf(order, below.iter().flat_map(|node| node.kind.places()).map(index))
             }
         };
         nodes.push(Node { kind, ..node });
     }
     Ok(())
-}
-
-/// The places of a leaf's primitives.
-fn places(node: &Node) -> Range<usize> {
-    match node.kind {
-        NodeKind::Leaf { first, count } => first as usize..first as usize + count as usize,
-        NodeKind::Interior { .. } => 0..0,
-    }
 }
 
 /// What is below a node.

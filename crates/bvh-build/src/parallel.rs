@@ -38,29 +38,23 @@ pub(crate) fn map<T: Send, R: Send>(
     results.into_iter().collect()
 }
 
-/// Makes `all` the result for each number, in order; so many items are done then.
-pub(crate) fn fill<R: Send>(
-    all: &mut [R],
+/// Has `part` write slices of `items`, the first of which is number `begin`, and unites what it says of them; so many
+/// items are done then.
+pub(crate) fn fill<T: Send, R: Send>(
+    items: &mut [T],
+    begin: usize,
     progress: &ProgressReporter,
-    f: impl Fn(usize) -> R + Send + Sync,
-) -> Result<(), Cancelled> {
-    let block = 8 * SEQUENTIAL * threads();
-    for (part, begin) in all.chunks_mut(block).zip((0..).step_by(block)) {
-        progress.update(part.len())?;
-        fill_part(part, begin, &f);
+    part: &(impl Fn(&mut [T], usize) -> R + Sync),
+    unite: &(impl Fn(R, R) -> R + Sync),
+) -> Result<R, Cancelled> {
+    if items.len() <= SEQUENTIAL {
+        progress.update(items.len())?;
+        return Ok(part(items, begin));
     }
-    Ok(())
-}
-
-#[cfg(feature = "parallel")]
-fn fill_part<R: Send>(part: &mut [R], begin: usize, f: impl Fn(usize) -> R + Send + Sync) {
-    use rayon::iter::{IndexedParallelIterator, IntoParallelRefMutIterator, ParallelIterator};
-    part.par_iter_mut().with_min_len(SEQUENTIAL).enumerate().for_each(|(i, x)| *x = f(begin + i));
-}
-
-#[cfg(not(feature = "parallel"))]
-fn fill_part<R: Send>(part: &mut [R], begin: usize, f: impl Fn(usize) -> R + Send + Sync) {
-    part.iter_mut().zip(begin..).for_each(|(x, i)| *x = f(i));
+    let (a, b) = items.split_at_mut(items.len() / 2);
+    let middle = begin + a.len();
+    let (a, b) = try_join(|| fill(a, begin, progress, part, unite), || fill(b, middle, progress, part, unite))?;
+    Ok(unite(a, b))
 }
 
 /// Up to so many primitives, to wake a second thread takes longer than to look at them.

@@ -1,7 +1,5 @@
 //! What the builders know of a primitive, and of many.
 
-use std::sync::atomic::{AtomicBool, Ordering};
-
 use bytemuck::{Pod, Zeroable};
 use geometry::glam::{Vec3A, Vec4};
 use geometry::{Axis, Bounds3};
@@ -30,40 +28,10 @@ impl PrimInfo {
 
     /// `index` with its `bounds`. A zero loses its sign, so that the union of bounds, minimum by minimum, is the same
     /// bits in any order.
+    #[inline]
     pub(crate) fn new(bounds: &Bounds3, index: u32) -> Self {
         let index = f32::from_bits(index.wrapping_add(BIAS));
         Self { min: (bounds.min + 0.0).extend(index), max: (bounds.max + 0.0).extend(1.0) }
-    }
-
-    /// The active ones among `count` primitives with these `bounds`, in order, and how many they are; with room for all
-    /// and `more`.
-    pub(crate) fn active(
-        count: usize,
-        more: usize,
-        bounds: impl Fn(u32) -> Bounds3 + Sync,
-        progress: &ProgressReporter,
-    ) -> Result<(Room<Self>, usize), Cancelled> {
-        let inactive = AtomicBool::new(false);
-        let mut room = Room::zeroed(count + more);
-        let all = &mut room[..count];
-        // Indices fit: there are at most MAX_PRIMITIVES.
-        parallel::fill(all, progress, |i| {
-            let bounds = bounds(i as u32);
-            if bounds.is_valid() {
-                return Self::new(&bounds, i as u32);
-            }
-            inactive.store(true, Ordering::Relaxed);
-            Self::new(&Bounds3::default(), u32::MAX)
-        })?;
-        let mut active = count;
-        if inactive.into_inner() {
-            active = 0;
-            for i in 0..count {
-                all[active] = all[i];
-                active += usize::from(all[i].index() != u32::MAX);
-            }
-        }
-        Ok((room, active))
     }
 
     /// The same with bounds at another scale.
@@ -97,6 +65,56 @@ impl PrimInfo {
     }
 }
 
+/// The active primitives of a build.
+pub(crate) struct ActivePrims {
+    /// They, in the order of their indices, and room behind them.
+    pub(crate) room: Room<PrimInfo>,
+    pub(crate) count: usize,
+    /// What they take up.
+    pub(crate) extent: Extent,
+}
+
+impl ActivePrims {
+    /// The active ones among `count` primitives with these `bounds`; with room for all and `more`.
+    pub(crate) fn new(
+        count: usize,
+        more: usize,
+        bounds: impl Fn(u32) -> Bounds3 + Sync,
+        progress: &ProgressReporter,
+    ) -> Result<Self, Cancelled> {
+        let mut room = Room::zeroed(count + more);
+        let all = &mut room[..count];
+        // Indices fit: there are at most MAX_PRIMITIVES.
+        let part = |part: &mut [PrimInfo], begin: usize| {
+            let (mut active, mut extent) = (0, Extent::EMPTY);
+            for (to, i) in part.iter_mut().zip(begin as u32..) {
+                let bounds = bounds(i);
+                if bounds.is_valid() {
+                    let p = PrimInfo::new(&bounds, i);
+                    (active, extent, *to) = (active + 1, extent.with(&p), p);
+                } else {
+                    *to = PrimInfo::new(&Bounds3::default(), u32::MAX);
+                }
+            }
+            (active, extent)
+        };
+        let (active, extent) = parallel::fill(all, 0, progress, &part, &|a, b| (a.0 + b.0, a.1.union(&b.1)))?;
+        if active < count {
+            let mut next = 0;
+            for i in 0..count {
+                all[next] = all[i];
+                next += usize::from(all[i].index() != u32::MAX);
+            }
+        }
+        Ok(Self { room, count: active, extent })
+    }
+
+    /// They.
+    pub(crate) fn prims(&mut self) -> &mut [PrimInfo] {
+        &mut self.room[..self.count]
+    }
+}
+
 /// Bounds in vectors that fill a register: [`Bounds3`] for inner loops.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Bounds3A {
@@ -116,10 +134,12 @@ impl Bounds3A {
         self.max - self.min
     }
 
+    #[inline]
     pub(crate) fn union(&self, other: &Self) -> Self {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
+    #[inline]
     pub(crate) fn union_point(&self, p: Vec3A) -> Self {
         Self { min: self.min.min(p), max: self.max.max(p) }
     }

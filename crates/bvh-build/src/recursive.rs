@@ -38,7 +38,12 @@ impl<'a> Group<'a> {
     /// `prims`, which begin at `first` in the order of all.
     pub(crate) fn new(prims: &'a mut [PrimInfo], first: usize, rules: &'a Rules) -> Result<Self, Cancelled> {
         let extent = Extent::of_many(prims, rules.progress)?;
-        Ok(Self { prims, first, extent, rules })
+        Ok(Self::with_extent(prims, first, extent, rules))
+    }
+
+    /// The same, of a known extent.
+    pub(crate) fn with_extent(prims: &'a mut [PrimInfo], first: usize, extent: Extent, rules: &'a Rules) -> Self {
+        Self { prims, first, extent, rules }
     }
 }
 

@@ -1,9 +1,9 @@
-//! Trees in the making: grown in parallel, then assembled into one array.
+//! Trees in the making, grown in parallel.
 
 use geometry::{Axis, Bounds3};
 
 use crate::parallel::join;
-use crate::{BuildConfig, Cancelled, Node, NodeKind, ProgressReporter, merge};
+use crate::{Cancelled, Node, NodeKind, ProgressReporter};
 
 /// Up to this many primitives a subtree is grown by one thread into one block of nodes.
 pub(crate) const SEQUENTIAL: usize = 2048;
@@ -182,90 +182,6 @@ impl Subtree {
             Self::Interior { children, .. } => 1 + children.iter().map(Self::node_count).sum::<usize>(),
         }
     }
-
-    /// All nodes in depth-first order without gaps, and the primitives in the order of the leaves, within a leaf by
-    /// index. Since no split depends on the order of its primitives, nothing in the tree does. `index` is that of the
-    /// primitive at a place of the builder's array, which has so many.
-    ///
-    /// With `merging`, leaves are [merged](merge::append) by it block by block, so that there is never room for all
-    /// small ones twice.
-    pub(crate) fn assemble(
-        self,
-        count: usize,
-        index: impl Fn(usize) -> u32,
-        merging: Option<&BuildConfig>,
-        progress: &ProgressReporter,
-    ) -> Result<(Vec<Node>, Vec<u32>), Cancelled> {
-        // Merged leaves have two primitives and more, on average.
-        let room = if merging.is_some() { count } else { self.node_count() };
-        let (nodes, order) = (Vec::with_capacity(room), Vec::with_capacity(count));
-        let mut assembled = Assembled { nodes, order, index, merging, progress };
-        assembled.append(self)?;
-        assembled.nodes.shrink_to_fit();
-        Ok((assembled.nodes, assembled.order))
-    }
-}
-
-/// A tree in one array, as far as it is assembled.
-struct Assembled<'a, I> {
-    nodes: Vec<Node>,
-    order: Vec<u32>,
-    index: I,
-    /// By which leaves are merged, if so.
-    merging: Option<&'a BuildConfig>,
-    progress: &'a ProgressReporter<'a>,
-}
-
-impl<I: Fn(usize) -> u32> Assembled<'_, I> {
-    // Node indices and places in the order fit 32 bits, since there are at most MAX_PRIMITIVES.
-    fn append(&mut self, subtree: Subtree) -> Result<(), Cancelled> {
-        match subtree {
-            Subtree::Block { nodes: block, .. } => {
-                self.progress.update(block.len())?;
-                let Self { nodes, order, index, merging, progress } = self;
-                if let Some(config) = merging {
-                    return merge::append(&block, index, config, nodes, order, progress);
-                }
-                let offset = nodes.len() as u32;
-                nodes.extend(block.into_iter().map(|mut node| {
-                    match &mut node.kind {
-                        NodeKind::Interior { second_child, .. } => *second_child += offset,
-                        NodeKind::Leaf { first, count } => {
-                            let places = *first as usize..*first as usize + *count as usize;
-                            (*first, *count) = append_leaf(order, places.map(&*index));
-                        }
-                    }
-                    node
-                }));
-            }
-            Subtree::Interior { axis, bounds, children, .. } => {
-                self.progress.update(1)?;
-                let here = self.nodes.len();
-                let [a, b] = *children;
-                self.nodes.push(interior(bounds, axis));
-                self.append(a)?;
-                self.nodes[here].kind = NodeKind::Interior { axis, second_child: self.nodes.len() as u32 };
-                self.append(b)?;
-            }
-        }
-        Ok(())
-    }
-}
-
-/// Appends the primitives of a leaf, by index and each once: where they begin, and how many they are.
-pub(crate) fn append_leaf(order: &mut Vec<u32>, indices: impl Iterator<Item = u32>) -> (u32, u32) {
-    let first = order.len();
-    order.extend(indices);
-    order[first..].sort_unstable();
-    let mut end = first;
-    for i in first..order.len() {
-        if i == first || order[i] != order[end - 1] {
-            order[end] = order[i];
-            end += 1;
-        }
-    }
-    order.truncate(end);
-    (first as u32, (end - first) as u32)
 }
 
 /// A leaf.

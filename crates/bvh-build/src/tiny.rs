@@ -1,9 +1,9 @@
 //! Scenes of denormal numbers, with which arithmetic takes ten times as long: they are built at another scale.
 
 use geometry::Bounds3;
-use geometry::glam::{Vec3, Vec3A};
+use geometry::glam::Vec3;
 
-use crate::prim_info::PrimInfo;
+use crate::prim_info::{ActivePrims, Bounds3A, Extent};
 use crate::{ClippedBounds, Node};
 
 /// By what tiny scenes are multiplied. From 2⁻¹⁴⁹ on all numbers and the products of two of them are normal then; and
@@ -13,16 +13,13 @@ const SCALE: f32 = f32::from_bits((127 + 100) << 23);
 /// Below that in magnitude coordinates are tiny: 2⁻⁶⁰.
 const TINY: f32 = f32::from_bits((127 - 60) << 23);
 
-/// Scales `prims` where all of their coordinates are tiny, and says whether they are.
-pub(crate) fn scale(prims: &mut [PrimInfo]) -> bool {
-    let is_large = |p: &PrimInfo| {
-        let bounds = p.bounds();
-        bounds.min.abs().max(bounds.max.abs()).cmpge(Vec3A::splat(TINY)).any()
-    };
-    // Nearly always the first one says so.
-    let are_tiny = !prims.iter().any(is_large);
+/// Scales primitives all of whose coordinates are tiny, and says whether they are.
+pub(crate) fn scale(active: &mut ActivePrims) -> bool {
+    let Bounds3A { min, max } = active.extent.bounds;
+    let are_tiny = min.abs().max(max.abs()).max_element() < TINY;
     if are_tiny {
-        prims.iter_mut().for_each(|p| *p = p.scaled(SCALE));
+        active.prims().iter_mut().for_each(|p| *p = p.scaled(SCALE));
+        active.extent = Extent::of(active.prims());
     }
     are_tiny
 }
@@ -54,25 +51,27 @@ fn before(bounds: &Bounds3) -> Bounds3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::ProgressReporter;
 
     #[test]
     fn tiny_bounds_come_back_as_they_were() {
-        let mut prims = Vec::new();
         let mut all = Vec::new();
         for exponent in -149..-61 {
             let x = 2.0_f32.powi(-75) * 2.0_f32.powi(exponent + 75);
             let bounds = Bounds3::new(Vec3::new(-1.7 * x, 0.0, x), Vec3::new(-x, x, 1.9 * x));
-            prims.push(PrimInfo::new(&bounds, 7));
             all.push(bounds);
         }
-        assert!(scale(&mut prims));
-        for (p, bounds) in prims.iter().zip(&all) {
+        let mut active = ActivePrims::new(all.len(), 0, |i| all[i as usize], &ProgressReporter::unobserved())
+            .expect("nobody cancels");
+        assert!(scale(&mut active));
+        assert_eq!(Extent::of(active.prims()), active.extent);
+        for ((p, bounds), i) in active.prims().iter().zip(&all).zip(0..) {
             let scaled = p.bounds().to_bounds();
             assert!(scaled.max.z >= f32::MIN_POSITIVE, "{scaled:?}");
-            assert_eq!(p.index(), 7);
+            assert_eq!(p.index(), i);
             assert_eq!(before(&scaled), *bounds);
         }
-        assert!(!scale(&mut prims), "they are not tiny any more");
+        assert!(!scale(&mut active), "they are not tiny any more");
     }
 
     #[test]

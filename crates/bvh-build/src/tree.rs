@@ -1,8 +1,10 @@
 //! Trees.
 
+use std::ops::Range;
+
 use geometry::{Axis, Bounds3};
 
-use crate::{BuildConfig, Cancelled, ProgressReporter};
+use crate::{BuildConfig, Cancelled, ProgressReporter, parallel};
 
 /// A bounding volume hierarchy over the active ones of the bounds it was built from.
 ///
@@ -47,6 +49,17 @@ pub enum NodeKind {
         /// How many they are; at least one.
         count: u32,
     },
+}
+
+impl NodeKind {
+    /// The places of a leaf's primitives in the order.
+    #[inline]
+    pub(crate) fn places(&self) -> Range<usize> {
+        match *self {
+            Self::Leaf { first, count } => first as usize..first as usize + count as usize,
+            Self::Interior { .. } => 0..0,
+        }
+    }
 }
 
 /// What a tree is like, as it was built.
@@ -127,28 +140,62 @@ impl Tree {
 impl TreeStatistics {
     /// The statistics of `nodes`, without those of primitives.
     fn of(nodes: &[Node], config: &BuildConfig, progress: &ProgressReporter) -> Result<Self, Cancelled> {
-        let root_area = nodes.first().map_or(0.0, |root| root.bounds.surface_area());
-        let t_trav = f64::from(config.traversal_cost);
+        let Some(root) = nodes.first() else { return Ok(Self::default()) };
+        let area = root.bounds.surface_area();
+        // Without any extent every ray that meets the root meets all.
+        let probability = |bounds: &Bounds3| if area > 0.0 { bounds.surface_area() / area } else { 1.0 };
+        Self::of_subtree(nodes, 0, &probability, config, progress)
+    }
+
+    /// Those of a subtree whose first node has the number `begin`.
+    fn of_subtree(
+        nodes: &[Node],
+        begin: usize,
+        probability: &(impl Fn(&Bounds3) -> f64 + Sync),
+        config: &BuildConfig,
+        progress: &ProgressReporter,
+    ) -> Result<Self, Cancelled> {
+        let cost_of = |node: &Node| {
+            probability(&node.bounds)
+                * match node.kind {
+                    NodeKind::Interior { .. } => f64::from(config.traversal_cost),
+                    NodeKind::Leaf { count, .. } => config.cost_of_leaf(count),
+                }
+        };
+        if nodes.len() > parallel::SEQUENTIAL
+            && let NodeKind::Interior { second_child, .. } = nodes[0].kind
+        {
+            progress.update(1)?;
+            let (first, second) = nodes[1..].split_at(second_child as usize - begin - 1);
+            let (a, b) = parallel::try_join(
+                || Self::of_subtree(first, begin + 1, probability, config, progress),
+                || Self::of_subtree(second, second_child as usize, probability, config, progress),
+            )?;
+            return Ok(Self {
+                node_count: nodes.len() as u32,
+                leaf_count: a.leaf_count + b.leaf_count,
+                depth: 1 + a.depth.max(b.depth),
+                largest_leaf: a.largest_leaf.max(b.largest_leaf),
+                sah_cost: cost_of(&nodes[0]) + a.sah_cost + b.sah_cost,
+                ..Self::default()
+            });
+        }
+        progress.update(nodes.len())?;
         let mut statistics = Self { node_count: nodes.len() as u32, ..Self::default() };
         // The second children to come, the next one last, with their depths.
         let mut pending: Vec<(usize, u32)> = Vec::new();
         let mut depth = 0;
         for (i, node) in nodes.iter().enumerate() {
-            progress.step(i)?;
-            depth = pending.pop_if(|&mut (next, _)| next == i).map_or(depth + 1, |(_, depth)| depth);
+            depth = pending.pop_if(|&mut (next, _)| next == begin + i).map_or(depth + 1, |(_, depth)| depth);
             statistics.depth = statistics.depth.max(depth);
-            let p = if root_area > 0.0 { node.bounds.surface_area() / root_area } else { 1.0 };
-            statistics.sah_cost += match node.kind {
-                NodeKind::Interior { second_child, .. } => {
-                    pending.push((second_child as usize, depth + 1));
-                    p * t_trav
-                }
+            statistics.sah_cost += cost_of(node);
+            match node.kind {
+                NodeKind::Interior { second_child, .. } => pending.push((second_child as usize, depth + 1)),
                 NodeKind::Leaf { count, .. } => {
                     statistics.leaf_count += 1;
                     statistics.largest_leaf = statistics.largest_leaf.max(count);
-                    p * config.cost_of_leaf(count)
                 }
-            };
+            }
         }
         Ok(statistics)
     }

@@ -52,6 +52,7 @@ impl Bounds3 {
 
     /// Whether a primitive with these bounds takes part in a tree: not empty, no NaN, and every coordinate within
     /// [`MAX_COORDINATE`].
+    #[inline]
     pub fn is_valid(&self) -> bool {
         !self.is_empty()
             && self.min.cmpge(Vec3::splat(-MAX_COORDINATE)).all()

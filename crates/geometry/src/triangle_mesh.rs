@@ -160,6 +160,7 @@ impl TriangleMesh {
     ///
     /// # Panics
     /// Where `i` is not below [`len`](Self::len).
+    #[inline]
     pub fn triangle_bounds(&self, i: usize) -> Bounds3 {
         triangle_bounds(&self.vertices(i))
     }

@@ -4,6 +4,7 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use geometry::exact::{Enclosure, ExactRay, intersect_triangle_exact};
+use geometry::glam::Vec3;
 use geometry::{
     Bounds3, Hit, HitVisitor, Interval, Shape, SurfacePoint, TraversalRay, TriangleHit, TriangleMesh, Visit, Work,
 };
@@ -12,16 +13,17 @@ use geometry::{
 /// of equal ones the smallest index.
 pub(crate) struct ExactTriangles {
     mesh: Arc<TriangleMesh>,
-    /// Those that can be hit at all.
-    active: Vec<usize>,
+    /// Those that can be hit at all, with their vertices.
+    active: Vec<(usize, [Vec3; 3])>,
     /// The bounds of these.
     bounds: Bounds3,
 }
 
 impl ExactTriangles {
     pub(crate) fn new(mesh: Arc<TriangleMesh>) -> Self {
-        let active: Vec<usize> = (0..mesh.len()).filter(|&i| mesh.triangle_bounds(i).is_valid()).collect();
-        let bounds = Bounds3::from_points(active.iter().flat_map(|&i| mesh.vertices(i)));
+        let can_be_hit = |&i: &usize| mesh.triangle_bounds(i).is_valid();
+        let active: Vec<_> = (0..mesh.len()).filter(can_be_hit).map(|i| (i, mesh.vertices(i))).collect();
+        let bounds = Bounds3::from_points(active.iter().flat_map(|(_, vertices)| *vertices));
         Self { mesh, active, bounds }
     }
 }
@@ -37,9 +39,9 @@ impl Shape for ExactTriangles {
 
     fn visit_hits(&self, ray: &TraversalRay, mut interval: Interval, visitor: &mut dyn HitVisitor) -> Visit {
         visitor.work(Work { nodes: 0, primitives: self.primitive_count() });
-        for &i in &self.active {
-            if let Some(h) = intersect_triangle_exact(ray, &self.mesh.vertices(i), interval) {
-                let hit = Hit { t: h.t, u: h.u, v: h.v, primitive: i as u64 };
+        for (i, vertices) in &self.active {
+            if let Some(h) = intersect_triangle_exact(ray, vertices, interval) {
+                let hit = Hit { t: h.t, u: h.u, v: h.v, primitive: *i as u64 };
                 interval = interval.with_t_max(visitor.hit(hit)?);
             }
         }
@@ -48,27 +50,25 @@ impl Shape for ExactTriangles {
 
     fn intersect(&self, ray: &TraversalRay, interval: Interval) -> Option<Hit> {
         let exact = ExactRay::new(ray, &self.bounds);
-        let mut closest: Option<(usize, Enclosure)> = None;
-        for &i in &self.active {
-            let vertices = self.mesh.vertices(i);
-            let Some(enclosure) = exact.intersect_triangle(&vertices, interval, &mut ()) else { continue };
+        let mut closest: Option<(usize, &[Vec3; 3], Enclosure)> = None;
+        for (i, vertices) in &self.active {
+            let Some(enclosure) = exact.intersect_triangle(vertices, interval, &mut ()) else { continue };
             // Of equal t the one before is the smaller.
-            let is_closer = closest.as_ref().is_none_or(|(best, best_enclosure)| {
-                let best = self.mesh.vertices(*best);
-                exact.compare((&enclosure, &vertices), (best_enclosure, &best), &mut ()).is_lt()
+            let is_closer = closest.as_ref().is_none_or(|(_, best, best_enclosure)| {
+                exact.compare((&enclosure, vertices), (best_enclosure, best), &mut ()).is_lt()
             });
             if is_closer {
-                closest = Some((i, enclosure));
+                closest = Some((*i, vertices, enclosure));
             }
         }
-        let (i, enclosure) = closest?;
-        let TriangleHit { t, u, v } = exact.values(&self.mesh.vertices(i), &enclosure, &mut ());
+        let (i, vertices, enclosure) = closest?;
+        let TriangleHit { t, u, v } = exact.values(vertices, &enclosure, &mut ());
         Some(Hit { t, u, v, primitive: i as u64 })
     }
 
     fn intersect_p(&self, ray: &TraversalRay, interval: Interval) -> bool {
         let exact = ExactRay::new(ray, &self.bounds);
-        self.active.iter().any(|&i| exact.intersect_triangle(&self.mesh.vertices(i), interval, &mut ()).is_some())
+        self.active.iter().any(|(_, vertices)| exact.intersect_triangle(vertices, interval, &mut ()).is_some())
     }
 
     fn surface_point(&self, ray: &TraversalRay, hit: &Hit) -> SurfacePoint {

@@ -5,25 +5,26 @@ mod sort;
 mod treelet;
 mod upper_sah;
 
+use crate::builder::{Parts, assembly};
 use crate::morton::MortonGrid;
 use crate::parallel;
 use crate::prim_info::{Extent, PrimInfo};
 use crate::room::Room;
-use crate::{BuildConfig, BuildObserver, Cancelled, Node, Phase, ProgressReporter};
+use crate::{BuildConfig, BuildObserver, Cancelled, Phase, ProgressReporter};
 use coded::Coded;
 
 /// How many of a code's bits, from the highest, name the treelet.
 const TREELET_BITS: u32 = 12;
 
-/// The nodes and the order of the tree over `prims`, of which there is one at least.
+/// The nodes and the order of the tree over `prims`, of which there is one at least, and whose extent is `extent`.
 pub(crate) fn build(
     prims: &[PrimInfo],
+    extent: &Extent,
     config: &BuildConfig,
     observer: &dyn BuildObserver,
-) -> Result<(Vec<Node>, Vec<u32>), Cancelled> {
+) -> Result<Parts, Cancelled> {
     let codes = ProgressReporter::observe(observer, Phase::MortonCodes, prims.len(), |progress| {
-        let extent = Extent::of_many(prims, progress)?;
-        let grid = MortonGrid::new(prims, &extent, config.morton_bits, progress)?;
+        let grid = MortonGrid::new(prims, extent, config.morton_bits);
         let low_bits = grid.code_bits() - TREELET_BITS;
         Ok(if grid.code_bits() <= <u64 as Coded>::CODE_BITS {
             Codes::Short(coded(prims, &grid, progress)?, low_bits)
@@ -45,7 +46,12 @@ enum Codes {
 
 fn coded<C: Coded>(prims: &[PrimInfo], grid: &MortonGrid, progress: &ProgressReporter) -> Result<Room<C>, Cancelled> {
     let mut coded = Room::zeroed(prims.len());
-    parallel::fill(&mut coded, progress, |place| C::new(grid.code(&prims[place]), place as u32))?;
+    let part = |part: &mut [C], begin: usize| {
+        for ((coded, place), p) in part.iter_mut().zip(begin..).zip(&prims[begin..]) {
+            *coded = C::new(grid.code(p), place as u32);
+        }
+    };
+    parallel::fill(&mut coded, 0, progress, &part, &|(), ()| ())?;
     Ok(coded)
 }
 
@@ -55,17 +61,15 @@ fn build_coded<C: Coded>(
     prims: &[PrimInfo],
     config: &BuildConfig,
     observer: &dyn BuildObserver,
-) -> Result<(Vec<Node>, Vec<u32>), Cancelled> {
+) -> Result<Parts, Cancelled> {
     let n = prims.len();
     ProgressReporter::observe(observer, Phase::Sort, n, |progress| sort::sort(&mut coded, progress))?;
-    let treelets = ProgressReporter::observe(observer, Phase::Treelets, n, |progress| {
-        treelet::build(&mut coded, low_bits, prims, config, progress)
+    let (treelets, indices) = ProgressReporter::observe(observer, Phase::Treelets, n, |progress| {
+        treelet::build(&coded, low_bits, prims, config, progress)
     })?;
+    drop(coded);
     let root = ProgressReporter::observe(observer, Phase::UpperTree, treelets.len(), |progress| {
         upper_sah::build(treelets, config, progress)
     })?;
-    // The treelets have left the primitives' indices there.
-    ProgressReporter::observe(observer, Phase::Assembly, root.node_count(), |progress| {
-        root.assemble(n, |place| coded[place].number(), None, progress)
-    })
+    assembly(root, &indices, observer)
 }

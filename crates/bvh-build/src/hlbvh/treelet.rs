@@ -1,5 +1,7 @@
 //! Treelets: subtrees over primitives whose codes begin with the same bits, split along the remaining ones.
 
+use std::mem::take;
+
 use geometry::Bounds3;
 
 use super::TREELET_BITS;
@@ -18,32 +20,33 @@ use crate::{BuildConfig, Cancelled, Node, ProgressReporter, SplitMethod};
 /// above, and a group that begins there is within its limit: 52 + ⌈log₂ 2³¹⌉ ≤ 84 (see [`crate::depth`]).
 const MAX_HEIGHT: u32 = MAX_DEPTH - TREELET_BITS;
 
-/// The treelets of sorted `prims`: one for all whose codes agree above `low_bits`. `coded` has the places of the
-/// primitives, and gets their indices, in the order of the treelets.
+/// The treelets of `prims`, at the places that sorted `coded` has: one for all whose codes agree above `low_bits`. And
+/// the indices of the primitives, in the order of the treelets.
 pub(super) fn build<C: Coded>(
-    coded: &mut [C],
+    coded: &[C],
     low_bits: u32,
     prims: &[PrimInfo],
     config: &BuildConfig,
     progress: &ProgressReporter,
-) -> Result<Vec<Subtree>, Cancelled> {
+) -> Result<(Vec<Subtree>, Vec<u32>), Cancelled> {
     let rules = Rules::new(config, MAX_HEIGHT, progress).with_split_method(SplitMethod::Sah);
+    let mut indices = vec![0; coded.len()];
     let mut treelets = Vec::new();
-    let mut first = 0;
-    for coded in coded.chunk_by_mut(|a, b| a.code() >> low_bits == b.code() >> low_bits) {
-        let begin = first;
-        first += coded.len();
-        treelets.push((begin, coded));
+    let (mut rest, mut first) = (&mut *indices, 0);
+    for coded in coded.chunk_by(|a, b| a.code() >> low_bits == b.code() >> low_bits) {
+        let (indices, behind) = take(&mut rest).split_at_mut(coded.len());
+        treelets.push((first, coded, indices));
+        (rest, first) = (behind, first + coded.len());
     }
-    parallel::map(treelets, |(first, coded)| {
+    let treelets = parallel::map(treelets, |(first, coded, indices)| {
         let mut own = gathered(prims, coded, progress)?;
-        let part = TreeletPart::Coded { coded: &*coded, prims: &mut own, first, rules: &rules };
-        let subtree = Subtree::grow(part, 1, progress)?;
-        for (coded, p) in coded.iter_mut().zip(&own) {
-            *coded = C::new(0, p.index());
+        let subtree = Subtree::grow(TreeletPart::Coded { coded, prims: &mut own, first, rules: &rules }, 1, progress)?;
+        for (index, p) in indices.iter_mut().zip(&own) {
+            *index = p.index();
         }
         Ok(subtree)
-    })
+    })?;
+    Ok((treelets, indices))
 }
 
 /// The primitives at the places that `coded` has, in its order.

@@ -76,7 +76,9 @@ impl WideNode for FullNode {
 
     fn write(bounds: &[Bounds3], children: &[Option<Child>], lines: &mut [Line]) {
         let mut rows = [[0_u32; LANES]; 8];
-        rows[..6].copy_from_slice(&[[f32::INFINITY.to_bits(); LANES], [f32::NEG_INFINITY.to_bits(); LANES]].repeat(3));
+        for planes in rows[..6].as_chunks_mut::<2>().0 {
+            *planes = [[f32::INFINITY.to_bits(); LANES], [f32::NEG_INFINITY.to_bits(); LANES]];
+        }
         for (lane, b) in bounds.iter().enumerate() {
             for axis in 0..3 {
                 rows[2 * axis][lane] = b.min[axis].to_bits();
@@ -198,31 +200,36 @@ fn references(children: &[Option<Child>]) -> [u32; LANES] {
 /// See [`WideNode::orders`]; of equal distances the first lane comes first, and lanes without a child before all
 /// others.
 fn orders(bounds: &[Bounds3]) -> [u32; LANES] {
+    // Of lanes without a child no comparison holds.
+    let mut centroids = [[f32::NAN; LANES]; 3];
+    for (lane, b) in bounds.iter().enumerate() {
+        [centroids[0][lane], centroids[1][lane], centroids[2][lane]] = b.centroid().to_array();
+    }
+    let first = LANES.saturating_sub(bounds.len());
     let mut orders = [0; LANES];
-    for octant in 0..8 {
-        let sign = [0, 1, 2].map(|i| if octant >> i & 1 == 1 { -1.0 } else { 1.0 });
-        let distances: [i32; LANES] = std::array::from_fn(|lane| {
-            total_order(bounds.get(lane).map_or(f32::INFINITY, |b| b.centroid().dot(sign.into())))
-        });
+    for (place, lane) in (bounds.len()..LANES).enumerate() {
+        orders[place] = lane as u32 * 0o1111_1111;
+    }
+    // For opposite directions the nearest is the farthest.
+    for octant in 0..LANES / 2 {
+        let [x, y] = [0, 1].map(|i| if octant >> i & 1 == 1 { -1.0 } else { 1.0 });
+        let distances: [f32; LANES] =
+            std::array::from_fn(|lane| x * centroids[0][lane] + y * centroids[1][lane] + centroids[2][lane]);
         // How many come before each: no sort, since all comparisons at once are a few instructions.
-        let mut places = [0_i32; LANES];
+        let [mut farther, mut nearer] = [[0_u32; LANES]; 2];
         for (other, &distance) in distances.iter().enumerate() {
-            for (lane, place) in places.iter_mut().enumerate() {
-                *place +=
-                    i32::from(distance > distances[lane]) + i32::from(distance == distances[lane] && other < lane);
+            for lane in 0..LANES {
+                let is_equal = distance == distances[lane] && other < lane;
+                farther[lane] += u32::from(distance > distances[lane]) + u32::from(is_equal);
+                nearer[lane] += u32::from(distance < distances[lane]) + u32::from(is_equal);
             }
         }
-        for (lane, &place) in places.iter().enumerate() {
-            orders[place as usize % LANES] |= (lane as u32) << (3 * octant);
+        for lane in 0..bounds.len().min(LANES) {
+            orders[(first + farther[lane] as usize) % LANES] |= (lane as u32) << (3 * octant);
+            orders[(first + nearer[lane] as usize) % LANES] |= (lane as u32) << (3 * (7 - octant));
         }
     }
     orders
-}
-
-/// A whole number that compares as `x` does in the total order of IEEE 754.
-fn total_order(x: f32) -> i32 {
-    let bits = x.to_bits() as i32;
-    bits ^ ((bits >> 31) as u32 >> 1) as i32
 }
 
 #[cfg(test)]
