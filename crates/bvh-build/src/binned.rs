@@ -110,7 +110,7 @@ impl Part for Group<'_> {
             return Ok(Err(self));
         }
         Ok(match cells::divide(&mut self, depth)? {
-            Some(division) => Ok(cells::grow(*self, division, depth)?),
+            Some(division) => Ok(cells::grow(*self, division)?),
             None => Err(self),
         })
     }

@@ -6,6 +6,8 @@
 
 mod division;
 
+use std::ops::Range;
+
 use super::Group;
 use crate::parallel;
 use crate::prim_info::{Bounds3A, Extent, PrimInfo};
@@ -13,7 +15,7 @@ use crate::recursive::Rules;
 use crate::split::sah::Grid;
 use crate::subtree::Subtree;
 use crate::{Cancelled, ProgressReporter};
-use division::{Cell, Divider, Division, LEAST_DIVIDED, MAX_SIDE};
+use division::{Cell, Division, LEAST_DIVIDED, MAX_SIDE, Region};
 
 /// Sets of fewer primitives are not worth it.
 pub(super) const LEAST: usize = 1 << 11;
@@ -89,11 +91,19 @@ pub(super) fn divide(group: &mut Group, depth: u32) -> Result<Option<Division>, 
     let part = prims.len().div_ceil(parallel::threads()).max(LEAST_DIVIDED);
     let parts: Vec<_> = prims.chunks(part).zip(cell_of.chunks_mut(part)).collect();
     let parts = parallel::map(parts, |(prims, cells)| Cells::of(prims, cells, &grid, progress))?;
-    let mut divider = Divider { rules, region_of: vec![0; grid.cell_count()], regions: Vec::new() };
-    let division = divider.divide(&mut all_cells(&parts, &grid), depth);
-    let Divider { region_of, regions, .. } = divider;
-    if regions.iter().any(|count| 2 * count > prims.len()) {
+    let mut cells = all_cells(&parts, &grid)?;
+    let division = Division::of(&mut cells, depth, rules);
+    let mut regions = Vec::new();
+    division.append_regions(&mut regions);
+    if regions.iter().any(|region| 2 * region.count > prims.len()) {
         return Ok(None);
+    }
+    let mut region_of = vec![0; grid.cell_count()];
+    let mut rest = &cells[..];
+    for (number, region) in (0..).zip(&regions) {
+        let (own, behind) = rest.split_at(region.cell_count);
+        own.iter().for_each(|cell| region_of[cell.number as usize] = number);
+        rest = behind;
     }
     // Each part has room in each region, behind that of the part before.
     let counts: Vec<_> = parts.into_iter().map(|part| counts_in(&part, &region_of, regions.len())).collect();
@@ -133,25 +143,25 @@ fn counts_in(part: &Cells, region_of: &[u32], region_count: usize) -> Vec<usize>
 }
 
 /// The cells with primitives in any of `parts`.
-fn all_cells(parts: &[Cells], grid: &CellGrid) -> Vec<Cell> {
+fn all_cells(parts: &[Cells], grid: &CellGrid) -> Result<Vec<Cell>, Cancelled> {
     let cell = |number: usize| {
         let count = parts.iter().map(|part| part.counts[number]).sum();
         let bounds = || parts.iter().fold(Bounds3A::EMPTY, |all, part| all.union(&part.bounds[number]));
         (count > 0).then(|| Cell { bounds: bounds(), count, number: number as u32, place: grid.place(number) })
     };
-    let count = (0..grid.cell_count()).filter(|&i| parts.iter().any(|part| part.counts[i] > 0)).count();
-    let mut cells = Vec::with_capacity(count);
-    cells.extend((0..grid.cell_count()).filter_map(cell));
-    cells
+    let (count, block) = (grid.cell_count(), parallel::SEQUENTIAL);
+    let blocks = (0..count).step_by(block).map(|begin| begin..count.min(begin + block)).collect();
+    let cells = parallel::map(blocks, |numbers: Range<usize>| Ok(numbers.filter_map(cell).collect::<Vec<_>>()))?;
+    Ok(cells.concat())
 }
 
 /// The subtree of a group that is divided already.
-pub(super) fn grow(group: Group, division: Division, depth: u32) -> Result<Subtree, Cancelled> {
+pub(super) fn grow(group: Group, division: Division) -> Result<Subtree, Cancelled> {
     let Group { prims, other, order, first, rules, .. } = group;
     let mut regions = Vec::new();
-    division.regions(depth, prims.len(), &mut regions);
+    division.append_regions(&mut regions);
     let mut rest = (prims, other, order, first);
-    let groups = regions.into_iter().map(|(count, depth)| {
+    let groups = regions.into_iter().map(|Region { count, depth, .. }| {
         let (prims, other, order, first) = std::mem::take(&mut rest);
         let ((prims, behind), (other, other_behind), (order, order_behind)) =
             (prims.split_at_mut(count), other.split_at_mut(count), order.split_at_mut(count));
@@ -202,8 +212,8 @@ mod tests {
                 Group { prims: &mut prims, other: &mut other, order: &mut order, first: 0, extent, rules: &rules };
             let division = divide(&mut group, 1).expect("nobody cancels")?;
             let mut regions = Vec::new();
-            division.regions(1, group.prims.len(), &mut regions);
-            Some((group.prims.to_vec(), regions.into_iter().map(|(count, _)| count).collect()))
+            division.append_regions(&mut regions);
+            Some((group.prims.to_vec(), regions.into_iter().map(|region| region.count).collect()))
         };
         #[cfg(feature = "parallel")]
         return rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads can start").install(work);
