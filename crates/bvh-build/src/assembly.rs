@@ -4,42 +4,46 @@ use std::mem::take;
 use std::ops::Range;
 
 use crate::subtree::{Subtree, interior};
-use crate::{BuildConfig, Cancelled, Node, NodeKind, ProgressReporter, merge, parallel};
+use crate::{BuildConfig, BuildObserver, Cancelled, Node, NodeKind, Phase, ProgressReporter, merge, parallel};
+
+/// The nodes and the order of a tree.
+pub(crate) type Parts = (Vec<Node>, Vec<u32>);
+
+/// [`Subtree::assemble`], as a phase of the build.
+pub(crate) fn assembly(root: Subtree, indices: &[u32], observer: &dyn BuildObserver) -> Result<Parts, Cancelled> {
+    ProgressReporter::observe(observer, Phase::Assembly, root.node_count(), |progress| root.assemble(indices, progress))
+}
 
 impl Subtree {
     /// All nodes in depth-first order without gaps, and the primitives in the order of the leaves, within a leaf by
     /// index: since no split depends on the order of its primitives, nothing in the tree does. For a tree that has each
     /// primitive once; `indices` are those of the builder's array.
-    pub(crate) fn assemble(
-        self,
-        indices: &[u32],
-        progress: &ProgressReporter,
-    ) -> Result<(Vec<Node>, Vec<u32>), Cancelled> {
+    pub(crate) fn assemble(self, indices: &[u32], progress: &ProgressReporter) -> Result<Parts, Cancelled> {
         let (mut pieces, mut count) = (Vec::new(), 0);
         self.take_apart(&mut pieces, &mut count);
         let mut order = vec![0; indices.len()];
-        let (mut blocks, mut rest, mut first) = (Vec::new(), &mut *order, 0);
+        let (mut blocks, mut rest, mut to) = (Vec::new(), &mut *order, 0);
         for piece in &mut pieces {
             match piece {
                 Piece::Node(_) => progress.update(1)?,
                 Piece::Block { nodes, at } => {
                     let places = places_of_block(nodes);
                     let (own, behind) = take(&mut rest).split_at_mut(places.len());
-                    own.copy_from_slice(&indices[places.clone()]);
-                    blocks.push((nodes, *at, own, places.start as u32, first));
-                    (rest, first) = (behind, first + places.len() as u32);
+                    let (from, count) = (places.start as u32, places.len() as u32);
+                    blocks.push((nodes, *at, own, &indices[places], [from, to]));
+                    (rest, to) = (behind, to + count);
                 }
             }
         }
-        parallel::map(blocks, |(nodes, at, order, begin, now)| {
-            progress.update(nodes.len())?;
+        parallel::map(blocks, |(nodes, at, order, indices, [from, to])| {
+            progress.check()?;
+            order.copy_from_slice(indices);
             for node in nodes {
                 match &mut node.kind {
                     NodeKind::Interior { second_child, .. } => *second_child += at,
                     NodeKind::Leaf { first, count } => {
-                        *first -= begin;
-                        order[*first as usize..][..*count as usize].sort_unstable();
-                        *first += now;
+                        order[(*first - from) as usize..][..*count as usize].sort_unstable();
+                        *first = *first - from + to;
                     }
                 }
             }
@@ -49,7 +53,10 @@ impl Subtree {
         for piece in pieces {
             match piece {
                 Piece::Node(node) => nodes.push(node),
-                Piece::Block { nodes: block, .. } => nodes.extend_from_slice(&block),
+                Piece::Block { nodes: block, .. } => {
+                    progress.update(block.len())?;
+                    nodes.extend_from_slice(&block);
+                }
             }
         }
         Ok((nodes, order))
@@ -87,7 +94,7 @@ impl Subtree {
         indices: &[u32],
         merging: Option<&BuildConfig>,
         progress: &ProgressReporter,
-    ) -> Result<(Vec<Node>, Vec<u32>), Cancelled> {
+    ) -> Result<Parts, Cancelled> {
         // Merged leaves have two primitives and more, on average.
         let room = if merging.is_some() { indices.len() } else { self.node_count() };
         let (nodes, order) = (Vec::with_capacity(room), Vec::with_capacity(indices.len()));
@@ -108,7 +115,7 @@ fn places_of_block(nodes: &[Node]) -> Range<usize> {
 /// A part of a tree that is one piece of the array.
 enum Piece {
     Node(Node),
-    /// Whose second children are relative to its first node, which is to be at place `at`.
+    /// Whose second children are relative to its first node at first; that is to be at place `at`.
     Block {
         nodes: Vec<Node>,
         at: u32,

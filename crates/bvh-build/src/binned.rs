@@ -27,8 +27,7 @@ pub(crate) fn is_for(config: &BuildConfig) -> bool {
     config.split_method == SplitMethod::Sah && config.axes == SplitAxes::All
 }
 
-/// The subtree of `prims`, whose extent is `extent`, with no node deeper than `limit`, and their indices in the order of
-/// its leaves.
+/// The subtree of `prims`, whose extent is `extent`, and their indices in the order of its leaves.
 pub(crate) fn grow(prims: &mut [PrimInfo], extent: Extent, rules: &Rules) -> Result<(Subtree, Vec<u32>), Cancelled> {
     let mut other = Room::zeroed(prims.len());
     let mut order = vec![0; prims.len()];

@@ -2,6 +2,7 @@
 
 use geometry::Bounds3;
 
+use crate::assembly::{Parts, assembly};
 use crate::depth::{MAX_DEPTH, MAX_PRIMITIVES};
 use crate::prim_info::{ActivePrims, PrimInfo};
 use crate::recursive::{Group, Rules};
@@ -71,10 +72,10 @@ fn build_clipped(
     })?;
     let active_count = active.count;
     let is_tiny = tiny::scale(&mut active);
-    // With reinsertion: which primitives a leaf should have is known better from below.
-    let max_in_leaf = if config.reinsertion.is_some() { 1 } else { config.max_primitives_in_leaf };
-    let growth = config.with_max_primitives_in_leaf(max_in_leaf);
-    let may_merge = config.reinsertion.is_some() && config.max_primitives_in_leaf > 1;
+    // Which primitives a leaf should have is known better from below.
+    let is_merged = config.reinsertion.is_some_and(|options| options.merged_leaves);
+    let growth = if is_merged { config.with_max_primitives_in_leaf(1) } else { *config };
+    let may_merge = is_merged && config.max_primitives_in_leaf > 1;
     // In a tree whose space is split no leaf of so few reaches beyond a block.
     let is_within_blocks = splits.is_some() && config.max_primitives_in_leaf as usize <= SEQUENTIAL;
     let merging = (may_merge && is_within_blocks).then_some(config);
@@ -128,9 +129,6 @@ impl Tree {
     }
 }
 
-/// The nodes and the order of a tree.
-pub(crate) type Parts = (Vec<Node>, Vec<u32>);
-
 /// Those of the tree over `active` primitives.
 fn grow(mut active: ActivePrims, config: &BuildConfig, observer: &dyn BuildObserver) -> Result<Parts, Cancelled> {
     let extent = active.extent;
@@ -145,6 +143,7 @@ fn grow(mut active: ActivePrims, config: &BuildConfig, observer: &dyn BuildObser
         let (root, order) = recursion(observer, prims.len(), |progress| {
             binned::grow(prims, extent, &Rules::new(config, MAX_DEPTH, progress))
         })?;
+        drop(active);
         return assembly(root, &order, observer);
     }
     let root = recursion(observer, prims.len(), |progress| {
@@ -152,11 +151,12 @@ fn grow(mut active: ActivePrims, config: &BuildConfig, observer: &dyn BuildObser
         Subtree::grow(Group::with_extent(prims, 0, extent, &rules), 1, progress)
     })?;
     let indices: Vec<u32> = prims.iter().map(PrimInfo::index).collect();
+    drop(active);
     assembly(root, &indices, observer)
 }
 
-/// As [`grow`], where space may be split, and there is room for so many more references to primitives; and with leaves
-/// merged, if so.
+/// As [`grow`], where space may be split: behind the primitives there is room for more references to them. With
+/// leaves merged, if so.
 fn grow_split(
     active: ActivePrims,
     splits: &SpatialSplits,
@@ -183,11 +183,6 @@ fn recursion<T>(
     grow: impl FnOnce(&ProgressReporter) -> Result<T, Cancelled>,
 ) -> Result<T, Cancelled> {
     ProgressReporter::observe(observer, Phase::Recursion, count, grow)
-}
-
-/// See [`Subtree::assemble`].
-pub(crate) fn assembly(root: Subtree, indices: &[u32], observer: &dyn BuildObserver) -> Result<Parts, Cancelled> {
-    ProgressReporter::observe(observer, Phase::Assembly, root.node_count(), |progress| root.assemble(indices, progress))
 }
 
 /// The tree of `nodes` with its statistics, as the observer is told; `counts` are those of active primitives and of

@@ -61,9 +61,9 @@ impl SplitAxes {
 /// 2¹⁰ or 2²¹ of them along the longest axis of the centroids' bounds. (pbrt stretches the cells to the bounds.)
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum MortonBits {
-    /// 63 where more than half of the primitives (of several thousands among them, where they are more) are smaller
-    /// than one cell of the 30-bit grid, that is, where their largest extent is below 1/1024 of the largest extent of
-    /// all centroids' bounds; else 30. Beyond that point 30 bits begin to put neighbours into one cell.
+    /// 63 where more than half of the primitives are smaller than one cell of the 30-bit grid, that is, where their
+    /// largest extent is below 1/1024 of the largest extent of all centroids' bounds; else 30. Beyond that point
+    /// 30 bits begin to put neighbours into one cell.
     #[default]
     Auto,
     /// 10 bits for each axis, as in pbrt. The fastest to sort.
@@ -108,8 +108,8 @@ pub struct BuildConfig {
     pub full_sweep: u32,
     /// The length of the Morton codes; only [`SplitMethod::Hlbvh`] uses it. Default [`MortonBits::Auto`].
     pub morton_bits: MortonBits,
-    /// Whether the tree is optimised by reinsertion, and for how long. With it, a build first makes leaves of one
-    /// primitive each, whatever the method; merges them, up to
+    /// Whether the tree is optimised by reinsertion, and for how long. With [merged leaves](Reinsertion::merged_leaves),
+    /// a build first makes leaves of one primitive each, whatever the method; merges them, up to
     /// [`max_primitives_in_leaf`](Self::max_primitives_in_leaf), where the heuristic says that this is cheaper; and
     /// then moves subtrees. Default `None`.
     pub reinsertion: Option<Reinsertion>,
@@ -273,8 +273,8 @@ impl fmt::Display for BuildConfig {
         if f.alternate() {
             write!(f, "{method}/{max_primitives_in_leaf}/{traversal_cost:e}/{intersection_cost:e}/{leaf_cost:e}/")?;
             write!(f, "{buckets}/{axes}/{full_sweep}/{bits}")?;
-            if let Some(Reinsertion { passes, fraction }) = reinsertion {
-                write!(f, "/reinsertion/{passes}/{fraction:e}")?;
+            if let Some(Reinsertion { passes, share, merged_leaves }) = reinsertion {
+                write!(f, "/reinsertion/{passes}/{share:e}{}", if *merged_leaves { "/merged" } else { "" })?;
             }
             if let Some(SpatialSplits { overlap_threshold, budget, least_references }) = spatial_splits {
                 write!(f, "/splits/{overlap_threshold:e}/{least_references}/{budget:e}")?;
@@ -287,7 +287,10 @@ impl fmt::Display for BuildConfig {
         )?;
         write!(f, "{buckets} buckets on {axes}, full sweeps of {full_sweep}, Morton codes of {bits} bits, ")?;
         match reinsertion {
-            Some(Reinsertion { passes, fraction }) => write!(f, "{passes} passes of reinsertion of {fraction}, ")?,
+            Some(Reinsertion { passes, share, merged_leaves }) => {
+                let leaves = if *merged_leaves { "merged" } else { "whole" };
+                write!(f, "{passes} passes of reinsertion for {share} of all gains, of {leaves} leaves, ")?;
+            }
             None => write!(f, "no reinsertion, ")?,
         }
         match spatial_splits {

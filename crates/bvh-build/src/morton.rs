@@ -3,8 +3,8 @@
 use geometry::Axis;
 use geometry::glam::Vec3A;
 
-use crate::MortonBits;
 use crate::prim_info::{Bounds3A, Extent, PrimInfo};
+use crate::{Cancelled, MortonBits, ProgressReporter, parallel};
 
 /// A grid of cubic cells over the bounds of all centroids, 2^b of them along the longest axis.
 ///
@@ -22,16 +22,21 @@ pub(crate) struct MortonGrid {
 
 impl MortonGrid {
     /// The grid over the centroids of `prims`, whose extent is `extent`.
-    pub(crate) fn new(prims: &[PrimInfo], extent: &Extent, bits: MortonBits) -> Self {
+    pub(crate) fn new(
+        prims: &[PrimInfo],
+        extent: &Extent,
+        bits: MortonBits,
+        progress: &ProgressReporter,
+    ) -> Result<Self, Cancelled> {
         let bits_per_axis = match bits {
             MortonBits::Bits30 => 10,
             MortonBits::Bits63 => 21,
-            MortonBits::Auto if is_finer_than_30_bits(prims, extent) => 21,
+            MortonBits::Auto if is_finer_than_30_bits(prims, extent, progress)? => 21,
             MortonBits::Auto => 10,
         };
         let Bounds3A { min: low, max: high } = extent.centroids2;
         let cells = (1_u32 << bits_per_axis) as f32;
-        Self { bits_per_axis, low, scale: cells / (high - low).max_element() }
+        Ok(Self { bits_per_axis, low, scale: cells / (high - low).max_element() })
     }
 
     /// How many bits its codes have.
@@ -55,16 +60,15 @@ pub(crate) fn axis_of_bit(bit: u32) -> Axis {
     Axis::ALL[bit as usize % 3]
 }
 
-/// Whether more than half of the primitives are smaller than a cell of the 30-bit grid, or of a sample where they are
-/// many; see [`MortonBits::Auto`].
-fn is_finer_than_30_bits(prims: &[PrimInfo], extent: &Extent) -> bool {
-    const SAMPLE: usize = 1 << 12;
+/// Whether more than half of all primitives are smaller than a cell of the 30-bit grid; see [`MortonBits::Auto`].
+///
+/// (Of all, though it is a pass over memory: with every hundredth the answer would depend on the order of primitives.)
+fn is_finer_than_30_bits(prims: &[PrimInfo], extent: &Extent, progress: &ProgressReporter) -> Result<bool, Cancelled> {
     // The centroids' bounds are doubled.
     let cell = 0.5 * extent.centroids2.diagonal().max_element() / 1024.0;
-    let is_finer = |p: &PrimInfo| p.bounds().diagonal().max_element() < cell;
-    let sample = prims.iter().step_by(prims.len().div_ceil(SAMPLE).max(1));
-    let (all, finer) = sample.fold((0, 0), |(all, finer), p| (all + 1, finer + u32::from(is_finer(p))));
-    2 * finer > all
+    let is_finer = |p: &&PrimInfo| p.bounds().diagonal().max_element() < cell;
+    let count = |part: &[PrimInfo]| part.iter().filter(is_finer).count();
+    Ok(2 * parallel::fold(prims, progress, &count, &|a, b| a + b)? > prims.len())
 }
 
 /// The low 21 bits of x, y and z in turn: bit i of x is bit 3i, of y bit 3i + 1, of z bit 3i + 2.
@@ -118,6 +122,10 @@ mod tests {
         assert_eq!(interleave([LAST; 3]), (1 << 63) - 1);
     }
 
+    fn grid(prims: &[PrimInfo], extent: &Extent, bits: MortonBits) -> MortonGrid {
+        MortonGrid::new(prims, extent, bits, &ProgressReporter::unobserved()).expect("nobody cancels")
+    }
+
     fn points(points: &[Vec3]) -> (Vec<PrimInfo>, Extent) {
         let prims: Vec<_> = (0..).zip(points).map(|(i, &p)| PrimInfo::new(&Bounds3::from_points([p]), i)).collect();
         let extent = Extent::of(&prims);
@@ -132,7 +140,7 @@ mod tests {
                 let high = Vec3::from_array([0, 1, 2].map(|a| if flat >> a & 1 == 1 { 0.0 } else { scale }));
                 let (prims, extent) = points(&[Vec3::ZERO, high]);
                 for (bits, count) in [(MortonBits::Bits30, 30), (MortonBits::Bits63, 63)] {
-                    let grid = MortonGrid::new(&prims, &extent, bits);
+                    let grid = grid(&prims, &extent, bits);
                     assert_eq!(grid.code_bits(), count);
                     let last = (1_u64 << (count / 3)) - 1;
                     let cell = [0, 1, 2].map(|a| if flat >> a & 1 == 1 { 0 } else { last });
@@ -146,7 +154,7 @@ mod tests {
     #[test]
     fn cells_are_cubes() {
         let (prims, extent) = points(&[Vec3::ZERO, Vec3::new(1024.0, 256.5, 3.5)]);
-        let grid = MortonGrid::new(&prims, &extent, MortonBits::Bits30);
+        let grid = grid(&prims, &extent, MortonBits::Bits30);
         assert_eq!(grid.code(&prims[1]), interleave([1023, 256, 3]));
     }
 
@@ -154,7 +162,7 @@ mod tests {
     fn cells_follow_the_centroid() {
         let line: Vec<_> = (0..=1024).map(|i| Vec3::new(0.0, i as f32, 0.0)).collect();
         let (prims, extent) = points(&line);
-        let grid = MortonGrid::new(&prims, &extent, MortonBits::Bits30);
+        let grid = grid(&prims, &extent, MortonBits::Bits30);
         for (i, p) in prims.iter().enumerate() {
             assert_eq!(grid.code(p), interleave([0, i.min(1023) as u64, 0]));
         }
@@ -170,7 +178,7 @@ mod tests {
                 })
                 .collect()
         };
-        let bits = |prims: &[PrimInfo]| MortonGrid::new(prims, &Extent::of(prims), MortonBits::Auto).code_bits();
+        let bits = |prims: &[PrimInfo]| grid(prims, &Extent::of(prims), MortonBits::Auto).code_bits();
         assert_eq!(bits(&boxes(1.1)), 30);
         assert_eq!(bits(&boxes(0.9)), 63);
         // A few large ones among many small do not matter.

@@ -9,7 +9,7 @@ use crate::{PhaseProgress, ReinsertionProgress, TreeStatistics};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Phase {
-    /// Checking and copying the bounds of all active primitives (primitives).
+    /// Asking for the bounds of all primitives, and what they take up together (primitives).
     Bounds,
     /// The recursion from the root down: [`Sah`](crate::SplitMethod::Sah), [`Middle`](crate::SplitMethod::Middle),
     /// [`EqualCounts`](crate::SplitMethod::EqualCounts) (primitives; with [`SpatialSplits`](crate::SpatialSplits)
@@ -25,8 +25,8 @@ pub enum Phase {
     UpperTree,
     /// Putting all nodes into one array, depth first (nodes).
     Assembly,
-    /// Merging leaves, and then moving subtrees to better places: [`Reinsertion`](crate::Reinsertion) (candidates of
-    /// all passes; the last ones may not take place).
+    /// Merging leaves, and then moving subtrees to better places: [`Reinsertion`](crate::Reinsertion) (nodes of all
+    /// passes, of which the last ones may not take place; those that are no candidates are done at the beginning).
     Reinsertion,
     /// Computing the statistics (nodes).
     Statistics,

@@ -40,7 +40,7 @@ pub(crate) fn map<T: Send, R: Send>(
 
 /// Has `part` write slices of `items`, the first of which is number `begin`, and unites what it says of them; so many
 /// items are done then.
-pub(crate) fn fill<T: Send, R: Send>(
+pub(crate) fn fold_mut<T: Send, R: Send>(
     items: &mut [T],
     begin: usize,
     progress: &ProgressReporter,
@@ -53,7 +53,7 @@ pub(crate) fn fill<T: Send, R: Send>(
     }
     let (a, b) = items.split_at_mut(items.len() / 2);
     let middle = begin + a.len();
-    let (a, b) = try_join(|| fill(a, begin, progress, part, unite), || fill(b, middle, progress, part, unite))?;
+    let (a, b) = try_join(|| fold_mut(a, begin, progress, part, unite), || fold_mut(b, middle, progress, part, unite))?;
     Ok(unite(a, b))
 }
 

@@ -98,7 +98,7 @@ impl ActivePrims {
             }
             (active, extent)
         };
-        let (active, extent) = parallel::fill(all, 0, progress, &part, &|a, b| (a.0 + b.0, a.1.union(&b.1)))?;
+        let (active, extent) = parallel::fold_mut(all, 0, progress, &part, &|a, b| (a.0 + b.0, a.1.union(&b.1)))?;
         if active < count {
             let mut next = 0;
             for i in 0..count {

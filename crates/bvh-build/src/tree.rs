@@ -144,59 +144,43 @@ impl TreeStatistics {
         let area = root.bounds.surface_area();
         // Without any extent every ray that meets the root meets all.
         let probability = |bounds: &Bounds3| if area > 0.0 { bounds.surface_area() / area } else { 1.0 };
-        Self::of_subtree(nodes, 0, &probability, config, progress)
-    }
-
-    /// Those of a subtree whose first node has the number `begin`.
-    fn of_subtree(
-        nodes: &[Node],
-        begin: usize,
-        probability: &(impl Fn(&Bounds3) -> f64 + Sync),
-        config: &BuildConfig,
-        progress: &ProgressReporter,
-    ) -> Result<Self, Cancelled> {
-        let cost_of = |node: &Node| {
-            probability(&node.bounds)
-                * match node.kind {
-                    NodeKind::Interior { .. } => f64::from(config.traversal_cost),
-                    NodeKind::Leaf { count, .. } => config.cost_of_leaf(count),
-                }
-        };
-        if nodes.len() > parallel::SEQUENTIAL
-            && let NodeKind::Interior { second_child, .. } = nodes[0].kind
-        {
-            progress.update(1)?;
-            let (first, second) = nodes[1..].split_at(second_child as usize - begin - 1);
-            let (a, b) = parallel::try_join(
-                || Self::of_subtree(first, begin + 1, probability, config, progress),
-                || Self::of_subtree(second, second_child as usize, probability, config, progress),
-            )?;
-            return Ok(Self {
-                node_count: nodes.len() as u32,
-                leaf_count: a.leaf_count + b.leaf_count,
-                depth: 1 + a.depth.max(b.depth),
-                largest_leaf: a.largest_leaf.max(b.largest_leaf),
-                sah_cost: cost_of(&nodes[0]) + a.sah_cost + b.sah_cost,
-                ..Self::default()
-            });
-        }
-        progress.update(nodes.len())?;
-        let mut statistics = Self { node_count: nodes.len() as u32, ..Self::default() };
-        // The second children to come, the next one last, with their depths.
-        let mut pending: Vec<(usize, u32)> = Vec::new();
-        let mut depth = 0;
-        for (i, node) in nodes.iter().enumerate() {
-            depth = pending.pop_if(|&mut (next, _)| next == begin + i).map_or(depth + 1, |(_, depth)| depth);
-            statistics.depth = statistics.depth.max(depth);
-            statistics.sah_cost += cost_of(node);
-            match node.kind {
-                NodeKind::Interior { second_child, .. } => pending.push((second_child as usize, depth + 1)),
-                NodeKind::Leaf { count, .. } => {
-                    statistics.leaf_count += 1;
-                    statistics.largest_leaf = statistics.largest_leaf.max(count);
-                }
+        let add = |all: Self, node: &Node| {
+            let (leaf_count, in_leaf, cost) = match node.kind {
+                NodeKind::Interior { .. } => (0, 0, f64::from(config.traversal_cost)),
+                NodeKind::Leaf { count, .. } => (1, count, config.cost_of_leaf(count)),
+            };
+            Self {
+                leaf_count: all.leaf_count + leaf_count,
+                largest_leaf: all.largest_leaf.max(in_leaf),
+                sah_cost: all.sah_cost + probability(&node.bounds) * cost,
+                ..all
             }
-        }
-        Ok(statistics)
+        };
+        let part = |nodes: &[Node]| nodes.iter().fold(Self::default(), add);
+        let unite = |a: Self, b: Self| Self {
+            leaf_count: a.leaf_count + b.leaf_count,
+            largest_leaf: a.largest_leaf.max(b.largest_leaf),
+            sah_cost: a.sah_cost + b.sah_cost,
+            ..a
+        };
+        let (statistics, depth) =
+            parallel::try_join(|| parallel::fold(nodes, progress, &part, &unite), || depth(nodes, progress))?;
+        Ok(Self { node_count: nodes.len() as u32, depth, ..statistics })
     }
+}
+
+/// The number of nodes on the longest path.
+fn depth(nodes: &[Node], progress: &ProgressReporter) -> Result<u32, Cancelled> {
+    // The second children to come, the next one last, with their depths.
+    let mut pending: Vec<(usize, u32)> = Vec::new();
+    let (mut depth, mut deepest) = (0, 0);
+    for (i, node) in nodes.iter().enumerate() {
+        progress.step(i)?;
+        depth = pending.pop_if(|&mut (next, _)| next == i).map_or(depth + 1, |(_, depth)| depth);
+        deepest = deepest.max(depth);
+        if let NodeKind::Interior { second_child, .. } = node.kind {
+            pending.push((second_child as usize, depth + 1));
+        }
+    }
+    Ok(deepest)
 }

@@ -79,7 +79,7 @@ impl WideLayout {
 /// leaves behind: kitchen has 58.2 bytes a triangle instead of 55.8.
 #[cfg(feature = "build")]
 fn binary_config(config: &BuildConfig) -> BuildConfig {
-    match config.reinsertion {
+    match config.reinsertion.filter(|options| options.merged_leaves) {
         None => config
             .with_max_primitives_in_leaf(config.max_primitives_in_leaf.min(LANES as u32))
             .with_costs(0.3, 0.0)

@@ -106,7 +106,7 @@ pub(super) fn divide(group: &mut Group, depth: u32) -> Result<Option<Division>, 
         rest = behind;
     }
     // Each part has room in each region, behind that of the part before.
-    let counts: Vec<_> = parts.into_iter().map(|part| counts_in(&part, &region_of, regions.len())).collect();
+    let counts = parallel::map(parts, |part| Ok(counts_in(&part, &region_of, regions.len())))?;
     let mut rooms: Vec<Vec<&mut [PrimInfo]>> = counts.iter().map(|_| Vec::with_capacity(regions.len())).collect();
     let mut rest = &mut **other;
     for region in 0..regions.len() {

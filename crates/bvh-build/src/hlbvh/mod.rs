@@ -5,7 +5,7 @@ mod sort;
 mod treelet;
 mod upper_sah;
 
-use crate::builder::{Parts, assembly};
+use crate::assembly::{Parts, assembly};
 use crate::morton::MortonGrid;
 use crate::parallel;
 use crate::prim_info::{Extent, PrimInfo};
@@ -24,7 +24,7 @@ pub(crate) fn build(
     observer: &dyn BuildObserver,
 ) -> Result<Parts, Cancelled> {
     let codes = ProgressReporter::observe(observer, Phase::MortonCodes, prims.len(), |progress| {
-        let grid = MortonGrid::new(prims, extent, config.morton_bits);
+        let grid = MortonGrid::new(prims, extent, config.morton_bits, progress)?;
         let low_bits = grid.code_bits() - TREELET_BITS;
         Ok(if grid.code_bits() <= <u64 as Coded>::CODE_BITS {
             Codes::Short(coded(prims, &grid, progress)?, low_bits)
@@ -51,7 +51,7 @@ fn coded<C: Coded>(prims: &[PrimInfo], grid: &MortonGrid, progress: &ProgressRep
             *coded = C::new(grid.code(p), place as u32);
         }
     };
-    parallel::fill(&mut coded, 0, progress, &part, &|(), ()| ())?;
+    parallel::fold_mut(&mut coded, 0, progress, &part, &|(), ()| ())?;
     Ok(coded)
 }
 

@@ -37,8 +37,8 @@ fn topology(nodes: &[Node]) -> Topology {
     Topology::new(nodes, &ProgressReporter::unobserved()).expect("nobody cancels")
 }
 
-fn choose(topology: &Topology, fraction: f32) -> Vec<u32> {
-    candidates::choose(topology, fraction, &ProgressReporter::unobserved()).expect("nobody cancels")
+fn choose(topology: &Topology, share: f32) -> Vec<u32> {
+    candidates::choose(topology, share, &ProgressReporter::unobserved()).expect("nobody cancels")
 }
 
 fn slots(topology: &Topology) -> Vec<u32> {
@@ -147,8 +147,20 @@ fn candidates_are_those_with_most_to_gain() {
     assert_eq!(all.len(), rated.len());
     assert_eq!(all, rated.iter().map(|&(_, i)| i).collect::<Vec<_>>());
     assert!(all.len() > 200);
-    assert_eq!(choose(&topology, 0.5), all[..200]);
-    assert_eq!(choose(&topology, f32::MIN_POSITIVE), all[..candidates::LEAST]);
+    let total: f64 = rated.iter().map(|(gain, _)| gain).sum();
+    for share in [f32::MIN_POSITIVE, 0.1, 0.5, 0.9] {
+        let chosen = choose(&topology, share);
+        assert_eq!(chosen, all[..chosen.len()]);
+        let is_enough = |rated: &[(f64, u32)]| {
+            rated.len() >= candidates::LEAST
+                && rated.iter().map(|(gain, _)| gain).sum::<f64>() >= f64::from(share) * total
+        };
+        let (chosen, least) = (&rated[..chosen.len()], rated[chosen.len() - 1].0);
+        assert!(is_enough(chosen));
+        // Not many more than are needed: gains that differ by less than an eighth go together.
+        let clear = chosen.partition_point(|(gain, _)| *gain > 1.126 * least);
+        assert!(!is_enough(&chosen[..clear]), "{share}");
+    }
 }
 
 /// Over and over, all candidates at once: their moves are in each other's way, and none may do harm.

@@ -78,6 +78,7 @@ fn reinsertion_is_valid_for_extreme_parameters() {
             BuildConfig::highest().with_max_primitives_in_leaf(65_535),
             BuildConfig::highest().with_reinsertion(Some(Reinsertion::new(u32::MAX, f32::MIN_POSITIVE))),
             BuildConfig::highest().with_reinsertion(Some(Reinsertion::new(0, 1.0))),
+            BuildConfig::highest().with_reinsertion(Some(Reinsertion::new(2, 1.0).with_merged_leaves(false))),
         ] {
             check(&build(&bounds, &config).expect("valid"), &bounds, &config, &format!("{name}, {config:?}"));
         }
@@ -100,6 +101,8 @@ fn reinsertion_improves_every_tree() {
         let [before, after] = [None, Some(Reinsertion::new(4, 1.0))].map(|r| cost(config.with_reinsertion(r)));
         assert!(after < 0.97 * balanced && after < before, "{}: {before} {after}", method.name());
     }
+    let whole = Reinsertion::new(2, 0.8).with_merged_leaves(false);
+    assert!(cost(BuildConfig::balanced().with_reinsertion(Some(whole))) < 0.98 * balanced);
 }
 
 /// Stops after so many reports, and counts those.
@@ -162,10 +165,10 @@ fn what_the_observer_hears_is_what_is_saved() {
 
 #[test]
 fn options_without_sense_are_refused() {
-    for fraction in [0.0, -0.1, 1.5, f32::NAN] {
-        let config = BuildConfig::default().with_reinsertion(Some(Reinsertion::new(1, fraction)));
+    for share in [0.0, -0.1, 1.5, f32::NAN] {
+        let config = BuildConfig::default().with_reinsertion(Some(Reinsertion::new(1, share)));
         let refused = build(&[], &config);
-        assert!(matches!(refused, Err(BuildError::InvalidConfig { parameter: "reinsertion.fraction", .. })));
+        assert!(matches!(refused, Err(BuildError::InvalidConfig { parameter: "reinsertion.share", .. })));
         let tree = build(&uniform(10, 1), &BuildConfig::default()).expect("valid");
         assert!(tree.optimized(&config, &()).is_err());
     }

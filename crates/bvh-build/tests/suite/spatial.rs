@@ -115,7 +115,9 @@ fn long_primitives_cost_less_where_space_is_split() {
         let split = split_tree(&bounds, &config.with_spatial_splits(Some(splits)));
         assert!(split.order().len() > whole.order().len() + 1000);
         let [whole, split] = [whole, split].map(|tree| tree.statistics().sah_cost);
-        assert!(split < 0.9 * whole, "{whole} {split}");
+        // Reinsertion gains a part of it without.
+        let most = if config.reinsertion.is_some() { 0.94 } else { 0.9 };
+        assert!(split < most * whole, "{whole} {split}");
     }
 }
 

@@ -1,5 +1,6 @@
 //! The same bytes on any number of threads.
 
+use bvh_build::geometry::Bounds3;
 use bvh_build::{BuildConfig, NodeKind, Reinsertion, SplitAxes, SplitMethod, Tree};
 
 /// Each method, and what else there is to choose.
@@ -9,6 +10,8 @@ pub(crate) fn configs() -> Vec<(&'static str, BuildConfig)> {
     configs.push(("high quality", BuildConfig::highest()));
     let thorough = Some(Reinsertion::new(2, 1.0));
     configs.push(("equal counts, moved", BuildConfig::new(SplitMethod::EqualCounts).with_reinsertion(thorough)));
+    let whole = Some(Reinsertion::new(2, 0.8).with_merged_leaves(false));
+    configs.push(("balanced, whole leaves moved", BuildConfig::balanced().with_reinsertion(whole)));
     configs.push(("hlbvh, moved", BuildConfig::new(SplitMethod::Hlbvh).with_reinsertion(thorough)));
     configs
 }
@@ -36,11 +39,22 @@ fn threads_change_nothing() {
     let mut cases = crate::scenes::hard_cases();
     // Large enough for every pass that is done in parallel.
     cases.push(("uniform, large".to_owned(), crate::scenes::uniform(140_000, 1)));
+    let mut gaps = crate::scenes::uniform(40_000, 2);
+    gaps.iter_mut().step_by(7).for_each(|bounds| *bounds = Bounds3::EMPTY);
+    gaps[8_000..20_000].fill(Bounds3::EMPTY);
+    cases.push(("uniform, with gaps".to_owned(), gaps));
     for (name, bounds) in cases {
         for (method, config) in configs() {
             let [one, two, five] =
-                pools.each_ref().map(|pool| bits(&pool.install(|| build(&bounds, &config).expect("valid"))));
-            assert!(one == two && one == five, "{name}, {method}");
+                pools.each_ref().map(|pool| pool.install(|| build(&bounds, &config).expect("valid")));
+            let all = [&one, &two, &five].map(bits);
+            assert!(all[0] == all[1] && all[0] == all[2], "{name}, {method}");
+            assert!(one.statistics() == two.statistics() && one.statistics() == five.statistics(), "{name}, {method}");
+            let active = (0..).zip(&bounds).filter(|(_, bounds)| bounds.is_valid()).map(|(i, _)| i);
+            let mut order = one.order().to_vec();
+            order.sort_unstable();
+            order.dedup();
+            assert!(active.eq(order), "{name}, {method}");
         }
     }
 }
@@ -67,7 +81,7 @@ fn the_bytes_of_a_tree_are_known() {
         0x2f7d_fbfd_586d_d2af,
         0x4a30_2862_0cd3_5758,
         0xf512_b9a2_c3c5_0a91,
-        0x3d72_fa13_d962_6749,
+        0x93fa_43c3_d1cf_e988,
     ];
     assert_eq!(digests, known, "{digests:#018x?}");
 }

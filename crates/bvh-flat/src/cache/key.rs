@@ -145,19 +145,21 @@ mod tests {
 
     #[test]
     fn every_configuration_has_a_description_of_its_own_that_fits_the_header() {
-        let long = |cost: f32, fraction: f32, budget: f32| {
+        let long = |cost: f32, share: f32, budget: f32| {
             let splits = SpatialSplits::new(f32::from_bits(0x5d_1745), budget).with_least_references(u32::MAX);
             BuildConfig::highest()
                 .with_costs(cost, 0.333_333_34)
                 .with_leaf_cost(1.234_567_9e-38)
                 .with_max_primitives_in_leaf(65_535)
-                .with_reinsertion(Some(Reinsertion::new(u32::MAX, fraction)))
+                .with_reinsertion(Some(Reinsertion::new(u32::MAX, share)))
                 .with_spatial_splits(Some(splits))
         };
         let least = f32::from_bits(1);
         let mut configs: Vec<_> = BuildConfig::PRESETS.map(|(_, config)| config).to_vec();
         configs.extend([long(0.1, 0.1, 0.1), long(0.2, 0.1, 0.1), long(0.1, least, 0.1), long(0.1, 0.1, least)]);
         configs.extend([configs[5].with_spatial_splits(None), configs[5].with_reinsertion(None)]);
+        let whole = configs[5].reinsertion.map(|options| options.with_merged_leaves(false));
+        configs.push(configs[5].with_reinsertion(whole));
         let of = |config| TreeOptions::new(config, TreeLayout::Binary).description;
         for (i, a) in configs.iter().enumerate() {
             assert!(of(a).len() <= MAX_DESCRIPTION, "{}", of(a));

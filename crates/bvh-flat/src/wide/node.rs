@@ -205,13 +205,14 @@ fn orders(bounds: &[Bounds3]) -> [u32; LANES] {
     for (lane, b) in bounds.iter().enumerate() {
         [centroids[0][lane], centroids[1][lane], centroids[2][lane]] = b.centroid().to_array();
     }
-    let first = LANES.saturating_sub(bounds.len());
+    debug_assert!(bounds.len() <= LANES);
+    let first = LANES - bounds.len();
     let mut orders = [0; LANES];
     for (place, lane) in (bounds.len()..LANES).enumerate() {
         orders[place] = lane as u32 * 0o1111_1111;
     }
     // For opposite directions the nearest is the farthest.
-    for octant in 0..LANES / 2 {
+    for octant in 0..4 {
         let [x, y] = [0, 1].map(|i| if octant >> i & 1 == 1 { -1.0 } else { 1.0 });
         let distances: [f32; LANES] =
             std::array::from_fn(|lane| x * centroids[0][lane] + y * centroids[1][lane] + centroids[2][lane]);
@@ -224,7 +225,7 @@ fn orders(bounds: &[Bounds3]) -> [u32; LANES] {
                 nearer[lane] += u32::from(distance < distances[lane]) + u32::from(is_equal);
             }
         }
-        for lane in 0..bounds.len().min(LANES) {
+        for lane in 0..bounds.len() {
             orders[(first + farther[lane] as usize) % LANES] |= (lane as u32) << (3 * octant);
             orders[(first + nearer[lane] as usize) % LANES] |= (lane as u32) << (3 * (7 - octant));
         }
@@ -237,6 +238,30 @@ mod tests {
     use geometry::glam::Vec3;
 
     use super::*;
+
+    /// For every number of children, with ties of sums that cancel and zeros of either sign among them.
+    #[test]
+    fn orders_are_those_of_a_stable_sort() {
+        let mut bits = 7_u64;
+        let mut coordinate = |is_whole: bool| {
+            bits = bits.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            if is_whole { [-1.0, -0.0, 0.0, 1.0][(bits >> 62) as usize] } else { (bits >> 40) as f32 - 8e6 }
+        };
+        for trial in 0..4_500 {
+            let points = (0..trial % 9).map(|_| Vec3::from_array([0; 3].map(|_| coordinate(trial % 2 == 0))));
+            let bounds: Vec<Bounds3> = points.map(|p| Bounds3::new(p, p)).collect();
+            let orders = orders(&bounds);
+            for octant in 0..8 {
+                let sign = [0, 1, 2].map(|i| if octant >> i & 1 == 1 { -1.0 } else { 1.0 });
+                let distance = |lane: usize| bounds[lane].centroid().dot(sign.into());
+                let mut sorted: Vec<usize> = (0..bounds.len()).collect();
+                sorted.sort_by(|&a, &b| distance(b).partial_cmp(&distance(a)).expect("no NaN"));
+                let expected: Vec<usize> = (bounds.len()..LANES).chain(sorted).collect();
+                let found = orders.map(|order| (order >> (3 * octant) & 7) as usize);
+                assert_eq!(found.to_vec(), expected, "{octant} {bounds:?}");
+            }
+        }
+    }
 
     /// At every scale, and far from the origin: no plane lies inside of the box that it stands for.
     #[test]

@@ -44,8 +44,8 @@ pub(in crate::binned) struct Region {
 impl Division {
     /// Divides `cells`, which become a node at `depth`, and puts them in the order of the regions.
     pub(super) fn of(cells: &mut [Cell], depth: u32, rules: &Rules) -> Self {
-        /// Above this, a second thread is worth waking.
-        const SEQUENTIAL: usize = 1 << 11;
+        /// With two parts of more cells, a second thread is worth waking.
+        const SEQUENTIAL: usize = 1 << 10;
         let count = cells.iter().map(|cell| cell.count as usize).sum();
         let Some((axis, middle)) = boundary(cells, count, depth, rules) else {
             return Self::Region(Region { cell_count: cells.len(), count, depth });
@@ -57,9 +57,8 @@ impl Division {
                 first += 1;
             }
         }
-        let is_large = cells.len() > SEQUENTIAL;
         let (a, b) = cells.split_at_mut(first);
-        let (a, b) = if is_large {
+        let (a, b) = if a.len().min(b.len()) > SEQUENTIAL {
             join(|| Self::of(a, depth + 1, rules), || Self::of(b, depth + 1, rules))
         } else {
             (Self::of(a, depth + 1, rules), Self::of(b, depth + 1, rules))
