@@ -46,7 +46,7 @@ impl BuildConfig {
     /// which take most of the time.
     ///
     /// Between [`balanced`](Self::balanced) and this there is `balanced()` with reinsertion of whole leaves,
-    /// `Reinsertion::new(2, 0.8).with_merged_leaves(false)`: a build takes about 1.3 times as long (2 for hair), and
+    /// `Reinsertion::new(2, 0.8).with_merged_leaves(false)`: a build takes 1.2 to 1.4 times as long (2.4 for hair), and
     /// the wide trees of kitchen, sponza, apartment and black-forest cost 0.90, 0.92, 0.89 and 0.95 of those without;
     /// those of this preset 0.91, 0.83, 0.78 and 0.91.
     pub const fn high() -> Self {
