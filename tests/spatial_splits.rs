@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use bvh_flat::bvh_build::{SpatialSplits, build_split};
+use bvh_flat::bvh_build::{Reinsertion, SpatialSplits, build_split};
 use bvh_flat::cache::{TreeLayout, TreeOptions};
 use bvh_flat::geometry::glam::Vec3;
 use bvh_flat::geometry::{Bounds3, Hit, Interval, Shape, TraversalRay, TriangleMesh, Visit, clipped_triangle_bounds};
@@ -28,10 +28,11 @@ fn all(shape: &dyn Shape, ray: &TraversalRay, interval: Interval) -> Vec<Bits> {
 }
 
 /// The preset; and planes wherever they gain anything, with and without what comes after.
-fn configs() -> [BuildConfig; 3] {
+fn configs() -> [BuildConfig; 4] {
     let eager = SpatialSplits::new(0.0, 1.0).with_least_references(2);
     let config = BuildConfig::highest().with_spatial_splits(Some(eager));
-    [BuildConfig::highest(), config, config.with_reinsertion(None)]
+    let whole = Reinsertion::new(2, 0.8).with_merged_leaves(false);
+    [BuildConfig::highest(), config, config.with_reinsertion(None), config.with_reinsertion(Some(whole))]
 }
 
 /// Closest hits, any hits, all hits and batches of every layout and width are those of a tree whose space is not split;

@@ -108,10 +108,10 @@ pub struct BuildConfig {
     pub full_sweep: u32,
     /// The length of the Morton codes; only [`SplitMethod::Hlbvh`] uses it. Default [`MortonBits::Auto`].
     pub morton_bits: MortonBits,
-    /// Whether the tree is optimised by reinsertion, and for how long. With [merged leaves](Reinsertion::merged_leaves),
-    /// a build first makes leaves of one primitive each, whatever the method; merges them, up to
-    /// [`max_primitives_in_leaf`](Self::max_primitives_in_leaf), where the heuristic says that this is cheaper; and
-    /// then moves subtrees. Default `None`.
+    /// Whether the tree is optimised by reinsertion, and for how long. With
+    /// [merged leaves](Reinsertion::merged_leaves), a build first makes leaves of one primitive each, whatever the
+    /// method; merges them, up to [`max_primitives_in_leaf`](Self::max_primitives_in_leaf), where the heuristic says
+    /// that this is cheaper; and then moves subtrees. Default `None`.
     pub reinsertion: Option<Reinsertion>,
     /// Whether nodes may be divided by planes that cut primitives. Only [`SplitMethod::Sah`] does so, and only where
     /// the builder can ask for the parts of a primitive ([`build_split`](crate::build_split)), as it does for the
@@ -289,7 +289,7 @@ impl fmt::Display for BuildConfig {
         match reinsertion {
             Some(Reinsertion { passes, share, merged_leaves }) => {
                 let leaves = if *merged_leaves { "merged" } else { "whole" };
-                write!(f, "{passes} passes of reinsertion for {share} of all gains, of {leaves} leaves, ")?;
+                write!(f, "reinsertion of {leaves} leaves, {passes} times {share}, ")?;
             }
             None => write!(f, "no reinsertion, ")?,
         }

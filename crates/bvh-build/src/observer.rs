@@ -74,7 +74,8 @@ pub trait BuildObserver: Sync {
     /// The phase has come so far. The answer `Break` ends the build with
     /// [`BuildError::Cancelled`](crate::BuildError::Cancelled), within milliseconds on all threads, and nobody is asked
     /// again. (Selecting the median of all primitives is not interrupted, as
-    /// [`EqualCounts`](crate::SplitMethod::EqualCounts) does at the root: ten milliseconds for a million.)
+    /// [`EqualCounts`](crate::SplitMethod::EqualCounts) does at the root, nor sorting the candidates of reinsertion:
+    /// tens of milliseconds for a million.)
     ///
     /// Called from any thread of the build, from several at once, so that an earlier progress may come after a later
     /// one; once at least in every phase; and so often (each thread in every millisecond or so) that it should not take

@@ -72,7 +72,7 @@ impl WideLayout {
 
 /// How the binary tree is built that is to be collapsed. As many primitives as the configuration allows are never
 /// divided: testing them costs a leaf next to nothing, and the collapse merges leaves where that is cheaper. But where
-/// subtrees are moved, of whole leaves, these are made by what they cost in a wide tree. A node with eight children
+/// leaves are merged before subtrees are moved, it is by what they cost in a wide tree. A node with eight children
 /// costs 1, so a binary one about a third of that.
 ///
 /// Moving the primitives one by one makes no better trees, takes a third of the build's time more, and leaves smaller
@@ -98,7 +98,7 @@ const BOUNDS_AHEAD: usize = 24;
 impl WideMesh {
     /// Builds a tree over `mesh`. Sets of up to `config.max_primitives_in_leaf` triangles are not divided any more;
     /// leaves of up to eight are made of them by what these cost in a wide tree, whatever the costs of `config` are.
-    /// With reinsertion, those sets are up to eight, whatever `config` says.
+    /// With reinsertion and merged leaves, those sets are up to eight, whatever `config` says.
     ///
     /// Triangles with a coordinate that is NaN, infinite or beyond 2⁶⁰ are inactive: they keep their number and are
     /// never hit.

@@ -24,6 +24,7 @@ pub(super) fn choose(topology: &Topology, share: f32, progress: &ProgressReporte
         let rated = slots.map(|slot| Rated { gain: (most_gain(topology, slot) / root_area) as f32, slot });
         Ok(rated.filter(|rated| rated.gain > 0.0).collect::<Vec<_>>())
     })?;
+    progress.check()?;
     let least = least_bin(&rated, share);
     let chosen = rated.iter().flatten().filter(|rated| rated.bin() >= least);
     let mut chosen: Vec<Rated> = chosen.copied().collect();
@@ -40,7 +41,7 @@ struct Rated {
 
 impl Rated {
     /// How many bins there are for gains.
-    const BINS: usize = 1 << 12;
+    const BINS: usize = 1 << 11;
 
     /// The bin of the gain: the higher, the more. Eight for each power of two.
     fn bin(&self) -> usize {
@@ -50,6 +51,9 @@ impl Rated {
 
 /// The lowest bin that must be taken for `share` of all gains, and [`LEAST`] of them.
 fn least_bin(rated: &[Vec<Rated>], share: f32) -> usize {
+    if share >= 1.0 {
+        return 0; // However sums are rounded.
+    }
     let mut bins = vec![(0.0, 0); Rated::BINS];
     for rated in rated.iter().flatten() {
         let (gain, count) = &mut bins[rated.bin()];
@@ -61,8 +65,7 @@ fn least_bin(rated: &[Vec<Rated>], share: f32) -> usize {
     for (bin, (gain_here, count_here)) in bins.iter().enumerate().rev() {
         (gain, count) = (gain + gain_here, count + count_here);
         if gain >= f64::from(share) * all && count >= LEAST {
-            // All of them means all, however they are rounded.
-            return if share < 1.0 { bin } else { 0 };
+            return bin;
         }
     }
     0

@@ -9,10 +9,10 @@
 //!
 //! - Candidates are chosen by the most they could gain: what taking them out saves, less their own area, which their
 //!   new parent has at least. Of a twentieth of all nodes, chosen by this bound, three passes take 15.8 % off the
-//!   interior area of a tree by the heuristic over 32 buckets and all axes, in geometric mean over six scenes; chosen by
-//!   area 14.8 %. How many are worth a search is said by their share of all gains: nine tenths are in 0.4 % of the
-//!   nodes of kitchen and black-forest, and in 57 % of those of hair, whose wide tree costs 0.96 of what it did with a
-//!   tenth of the nodes.
+//!   interior area of a tree by the heuristic over 32 buckets and all axes, in geometric mean over six scenes; chosen
+//!   by area 14.8 %. How many are worth a search is said by their share of all gains: nine tenths are in 0.4 % of the
+//!   nodes of kitchen and black-forest, and in 57 % of those of hairball-procedural, whose wide tree costs 0.96 of what
+//!   it did with a tenth of the nodes.
 //! - Moves are made by one thread, and each is weighed again in the tree as the ones before left it. So no two are in
 //!   conflict, the cost never rises, and the depth of the tree is known before each.
 //! - The most promising candidates come in small blocks, each searched in the tree that the one before left; later
@@ -57,8 +57,8 @@ pub(crate) fn optimize(
     Ok(if interior_area(&optimized.0) < interior_area(&nodes) { optimized } else { (nodes, order) })
 }
 
-/// How many nodes are looked at in a tree of so many, in all passes.
-pub(crate) fn most_examined(node_count: usize, options: &Reinsertion) -> usize {
+/// How many slots all passes rate in a tree of so many nodes.
+pub(crate) fn rated_slots(node_count: usize, options: &Reinsertion) -> usize {
     (options.passes as usize).saturating_mul(Topology::slots_of(node_count))
 }
 

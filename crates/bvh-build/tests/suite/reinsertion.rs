@@ -105,6 +105,23 @@ fn reinsertion_improves_every_tree() {
     assert!(cost(BuildConfig::balanced().with_reinsertion(Some(whole))) < 0.98 * balanced);
 }
 
+#[test]
+fn whole_leaves_are_those_of_the_split_method() {
+    let bounds: Vec<_> = uniform(5000, 7).iter().map(|b| Bounds3::new(b.min, b.min + 0.05)).collect();
+    for method in SplitMethod::ALL {
+        let config = BuildConfig::new(method).with_costs(2.0, 1.0);
+        let [whole, merged] = [false, true].map(|merged| {
+            let options = Reinsertion::new(2, 0.8).with_merged_leaves(merged);
+            config.with_reinsertion(Some(options))
+        });
+        let moved = build(&bounds, &config).and_then(|tree| tree.optimized(&whole, &())).expect("valid");
+        assert!(build(&bounds, &whole).expect("valid") == moved, "{}", method.name());
+        // The heuristic makes the leaves that merging would.
+        let are_the_same = build(&bounds, &merged).expect("valid") == moved;
+        assert_eq!(are_the_same, method == SplitMethod::Sah, "{}", method.name());
+    }
+}
+
 /// Stops after so many reports, and counts those.
 struct Stop {
     after: u32,

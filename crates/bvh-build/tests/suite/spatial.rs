@@ -19,11 +19,12 @@ fn common(a: &Bounds3, b: &Bounds3) -> Bounds3 {
 /// Everywhere, and as much as there may be.
 const EAGER: SpatialSplits = SpatialSplits::new(0.0, 1.0).with_least_references(2);
 
-fn configs() -> [BuildConfig; 4] {
+fn configs() -> [BuildConfig; 5] {
     let config = BuildConfig::highest().with_spatial_splits(Some(EAGER));
     [
         config.with_reinsertion(None),
         config.with_max_primitives_in_leaf(1).with_reinsertion(Some(Reinsertion::new(2, 1.0))),
+        config.with_reinsertion(Some(Reinsertion::new(2, 0.8).with_merged_leaves(false))),
         config,
         BuildConfig::default().with_spatial_splits(Some(SpatialSplits::new(0.0, 0.1).with_least_references(2))),
     ]

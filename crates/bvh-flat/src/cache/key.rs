@@ -160,7 +160,12 @@ mod tests {
         configs.extend([configs[5].with_spatial_splits(None), configs[5].with_reinsertion(None)]);
         let whole = configs[5].reinsertion.map(|options| options.with_merged_leaves(false));
         configs.push(configs[5].with_reinsertion(whole));
+        let moved = |merged| Some(Reinsertion::new(2, 0.8).with_merged_leaves(merged));
+        configs.extend([true, false].map(|merged| BuildConfig::balanced().with_reinsertion(moved(merged))));
         let of = |config| TreeOptions::new(config, TreeLayout::Binary).description;
+        for (name, config) in &BuildConfig::PRESETS {
+            assert!(of(config).contains("spatial splits"), "{name} is not in words: {}", of(config));
+        }
         for (i, a) in configs.iter().enumerate() {
             assert!(of(a).len() <= MAX_DESCRIPTION, "{}", of(a));
             assert!(format!("{a:#}").len() <= 200, "{a:#}");
