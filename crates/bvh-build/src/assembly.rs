@@ -4,15 +4,10 @@ use std::mem::take;
 use std::ops::Range;
 
 use crate::subtree::{Subtree, interior};
-use crate::{BuildConfig, BuildObserver, Cancelled, Node, NodeKind, Phase, ProgressReporter, merge, parallel};
+use crate::{BuildConfig, Cancelled, Node, NodeKind, ProgressReporter, merge, parallel};
 
 /// The nodes and the order of a tree.
 pub(crate) type Parts = (Vec<Node>, Vec<u32>);
-
-/// [`Subtree::assemble`], as a phase of the build.
-pub(crate) fn assembly(root: Subtree, indices: &[u32], observer: &dyn BuildObserver) -> Result<Parts, Cancelled> {
-    ProgressReporter::observe(observer, Phase::Assembly, root.node_count(), |progress| root.assemble(indices, progress))
-}
 
 impl Subtree {
     /// All nodes in depth-first order without gaps, and the primitives in the order of the leaves, within a leaf by

@@ -109,7 +109,7 @@ impl Part for Group<'_> {
             return Ok(Err(self));
         }
         Ok(match cells::divide(&mut self, depth)? {
-            Some(division) => Ok(cells::grow(*self, division)?),
+            Some(divided) => Ok(cells::grow(*self, divided)?),
             None => Err(self),
         })
     }

@@ -2,7 +2,7 @@
 
 use geometry::Bounds3;
 
-use crate::assembly::{Parts, assembly};
+use crate::assembly::Parts;
 use crate::depth::{MAX_DEPTH, MAX_PRIMITIVES};
 use crate::prim_info::{ActivePrims, PrimInfo};
 use crate::recursive::{Group, Rules};
@@ -137,23 +137,22 @@ fn grow(mut active: ActivePrims, config: &BuildConfig, observer: &dyn BuildObser
     if prims.is_empty() {
         return Ok((Vec::new(), Vec::new()));
     }
-    if config.split_method == SplitMethod::Hlbvh {
-        return hlbvh::build(prims, &extent, config, observer);
-    }
-    if binned::is_for(config) {
-        let (root, order) = recursion(observer, prims.len(), |progress| {
-            binned::grow(prims, extent, &Rules::new(config, MAX_DEPTH, progress))
-        })?;
-        drop(active);
-        return assembly(root, &order, observer);
-    }
-    let root = recursion(observer, prims.len(), |progress| {
-        let rules = Rules::new(config, MAX_DEPTH, progress);
-        Subtree::grow(Group::with_extent(prims, 0, extent, &rules), 1, progress)
-    })?;
-    let indices: Vec<u32> = prims.iter().map(PrimInfo::index).collect();
+    let (root, indices) = if config.split_method == SplitMethod::Hlbvh {
+        hlbvh::grow(prims, &extent, config, observer)?
+    } else {
+        recursion(observer, prims.len(), |progress| {
+            let rules = Rules::new(config, MAX_DEPTH, progress);
+            if binned::is_for(config) {
+                return binned::grow(prims, extent, &rules);
+            }
+            let root = Subtree::grow(Group::with_extent(prims, 0, extent, &rules), 1, progress)?;
+            Ok((root, prims.iter().map(PrimInfo::index).collect()))
+        })?
+    };
     drop(active);
-    assembly(root, &indices, observer)
+    ProgressReporter::observe(observer, Phase::Assembly, root.node_count(), |progress| {
+        root.assemble(&indices, progress)
+    })
 }
 
 /// As [`grow`], where space may be split: behind the primitives there is room for more references to them. With

@@ -80,10 +80,16 @@ impl Cells {
     }
 }
 
+/// How a group is divided, and all regions in order.
+pub(super) struct Divided {
+    division: Division,
+    regions: Vec<Region>,
+}
+
 /// Divides the primitives of `group`, a node at `depth`, and moves them accordingly. `None`, and nothing has changed,
 /// where more than half of all would be in one region: the passes are not worth it, and regions in regions take up the
 /// stack. Requires that the centroids are not all one point.
-pub(super) fn divide(group: &mut Group, depth: u32) -> Result<Option<Division>, Cancelled> {
+pub(super) fn divide(group: &mut Group, depth: u32) -> Result<Option<Divided>, Cancelled> {
     let Group { prims, other, rules, .. } = group;
     let Rules { progress, .. } = rules;
     let grid = CellGrid::new(&group.extent, prims.len());
@@ -130,7 +136,7 @@ pub(super) fn divide(group: &mut Group, depth: u32) -> Result<Option<Division>, 
         Ok(())
     })?;
     std::mem::swap(prims, other);
-    Ok(Some(division))
+    Ok(Some(Divided { division, regions }))
 }
 
 /// How many primitives are in each of so many regions, of the cells of a part.
@@ -156,10 +162,8 @@ fn all_cells(parts: &[Cells], grid: &CellGrid) -> Result<Vec<Cell>, Cancelled> {
 }
 
 /// The subtree of a group that is divided already.
-pub(super) fn grow(group: Group, division: Division) -> Result<Subtree, Cancelled> {
+pub(super) fn grow(group: Group, Divided { division, regions }: Divided) -> Result<Subtree, Cancelled> {
     let Group { prims, other, order, first, rules, .. } = group;
-    let mut regions = Vec::new();
-    division.append_regions(&mut regions);
     let mut rest = (prims, other, order, first);
     let groups = regions.into_iter().map(|Region { count, depth, .. }| {
         let (prims, other, order, first) = std::mem::take(&mut rest);
@@ -210,9 +214,7 @@ mod tests {
             let extent = Extent::of(&prims);
             let mut group =
                 Group { prims: &mut prims, other: &mut other, order: &mut order, first: 0, extent, rules: &rules };
-            let division = divide(&mut group, 1).expect("nobody cancels")?;
-            let mut regions = Vec::new();
-            division.append_regions(&mut regions);
+            let Divided { regions, .. } = divide(&mut group, 1).expect("nobody cancels")?;
             Some((group.prims.to_vec(), regions.into_iter().map(|region| region.count).collect()))
         };
         #[cfg(feature = "parallel")]

@@ -5,24 +5,24 @@ mod sort;
 mod treelet;
 mod upper_sah;
 
-use crate::assembly::{Parts, assembly};
 use crate::morton::MortonGrid;
 use crate::parallel;
 use crate::prim_info::{Extent, PrimInfo};
 use crate::room::Room;
+use crate::subtree::Subtree;
 use crate::{BuildConfig, BuildObserver, Cancelled, Phase, ProgressReporter};
 use coded::Coded;
 
 /// How many of a code's bits, from the highest, name the treelet.
 const TREELET_BITS: u32 = 12;
 
-/// The nodes and the order of the tree over `prims`, of which there is one at least, and whose extent is `extent`.
-pub(crate) fn build(
+/// The tree over `prims`, of which there is one at least, and whose extent is `extent`; and their indices, by treelets.
+pub(crate) fn grow(
     prims: &[PrimInfo],
     extent: &Extent,
     config: &BuildConfig,
     observer: &dyn BuildObserver,
-) -> Result<Parts, Cancelled> {
+) -> Result<(Subtree, Vec<u32>), Cancelled> {
     let codes = ProgressReporter::observe(observer, Phase::MortonCodes, prims.len(), |progress| {
         let grid = MortonGrid::new(prims, extent, config.morton_bits, progress)?;
         let low_bits = grid.code_bits() - TREELET_BITS;
@@ -33,8 +33,8 @@ pub(crate) fn build(
         })
     })?;
     match codes {
-        Codes::Short(coded, low_bits) => build_coded(coded, low_bits, prims, config, observer),
-        Codes::Long(coded, low_bits) => build_coded(coded, low_bits, prims, config, observer),
+        Codes::Short(coded, low_bits) => grow_coded(coded, low_bits, prims, config, observer),
+        Codes::Long(coded, low_bits) => grow_coded(coded, low_bits, prims, config, observer),
     }
 }
 
@@ -55,13 +55,13 @@ fn coded<C: Coded>(prims: &[PrimInfo], grid: &MortonGrid, progress: &ProgressRep
     Ok(coded)
 }
 
-fn build_coded<C: Coded>(
+fn grow_coded<C: Coded>(
     mut coded: Room<C>,
     low_bits: u32,
     prims: &[PrimInfo],
     config: &BuildConfig,
     observer: &dyn BuildObserver,
-) -> Result<Parts, Cancelled> {
+) -> Result<(Subtree, Vec<u32>), Cancelled> {
     let n = prims.len();
     ProgressReporter::observe(observer, Phase::Sort, n, |progress| sort::sort(&mut coded, progress))?;
     let (treelets, indices) = ProgressReporter::observe(observer, Phase::Treelets, n, |progress| {
@@ -71,5 +71,5 @@ fn build_coded<C: Coded>(
     let root = ProgressReporter::observe(observer, Phase::UpperTree, treelets.len(), |progress| {
         upper_sah::build(treelets, config, progress)
     })?;
-    assembly(root, &indices, observer)
+    Ok((root, indices))
 }

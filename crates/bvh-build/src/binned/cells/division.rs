@@ -25,7 +25,7 @@ pub(super) struct Cell {
 }
 
 /// How a set is divided by cells.
-pub(in crate::binned) enum Division {
+pub(super) enum Division {
     /// Not any further.
     Region(Region),
     /// Along an axis.
@@ -34,7 +34,7 @@ pub(in crate::binned) enum Division {
 
 /// A set that is not divided by cells.
 #[derive(Clone, Copy)]
-pub(in crate::binned) struct Region {
+pub(super) struct Region {
     pub(super) cell_count: usize,
     /// How many primitives it has.
     pub(super) count: usize,
