@@ -46,9 +46,9 @@ impl BuildConfig {
     /// which take most of the time.
     ///
     /// Between [`balanced`](Self::balanced) and this there is `balanced()` with reinsertion of whole leaves,
-    /// `Reinsertion::new(2, 0.8).with_merged_leaves(false)`: a build takes 1.2 to 1.4 times as long (hairball-procedural
-    /// 2.4), and the wide trees of kitchen, sponza, apartment and black-forest cost 0.90, 0.92, 0.89 and 0.95 of those
-    /// without; those of this preset 0.91, 0.83, 0.78 and 0.91.
+    /// `Reinsertion::new(2, 0.8).with_merged_leaves(false)`: a build takes 1.2 to 1.4 times as long (2.4 times for
+    /// hairball-procedural), and the wide trees of kitchen, sponza, apartment and black-forest cost 0.90, 0.92, 0.89 and
+    /// 0.95 of those without; those of this preset 0.91, 0.83, 0.78 and 0.91.
     pub const fn high() -> Self {
         let splits = SpatialSplits::new(1e-5, 0.1).with_least_references(4096);
         Self { spatial_splits: Some(splits), ..Self::highest() }
