@@ -29,6 +29,7 @@ pub struct TraversalRay {
     origin64: DVec4,
     direction64: DVec4,
     is_rounded: bool,
+    is_regular: bool,
 }
 
 /// Woop, Benthin and Wald 2013, *Watertight Ray/Triangle Intersection*, JCGT 2(1): the axes kx, ky, kz with kz that of
@@ -63,13 +64,16 @@ impl TraversalRay {
     /// JCGT 2(2)).
     pub const PADDING: f32 = 6.0 * f32::EPSILON;
 
+    /// 2⁶⁰: what no number of a [regular](Self::is_regular) ray is beyond, nor a reciprocal of its direction.
+    pub const LARGEST_OF_REGULAR: f32 = (1_u64 << 60) as f32;
+
     /// Prepares a ray; `None` where a component of origin or direction or the time is not finite, or the direction is
     /// zero.
     #[inline]
     pub fn new(ray: &Ray) -> Option<Self> {
         let (o, d) = (ray.origin.extend(ray.time), ray.direction.extend(1.0));
         let shear = Shear::new(d, largest_component(d.abs().to_array()));
-        is_valid(o, d).then(|| Self::prepare([o, d], [o.as_dvec4(), d.as_dvec4()], shear, false))
+        Self::prepare([o, d], [o.as_dvec4(), d.as_dvec4()], shear, false)
     }
 
     /// Prepares a ray that is known in f64, rounding it to f32 once; `None` as for [`new`](Self::new), with the rounded
@@ -79,7 +83,7 @@ impl TraversalRay {
         let (o, d) = (o64.as_vec4(), d64.as_vec4());
         let is_rounded = o64 != o.as_dvec4() || d64 != d.as_dvec4();
         let shear = Shear::new(d, largest_component(d64.abs().to_array()));
-        is_valid(o, d).then(|| Self::prepare([o, d], [o64, d64], shear, is_rounded))
+        Self::prepare([o, d], [o64, d64], shear, is_rounded)
     }
 
     #[inline]
@@ -88,14 +92,31 @@ impl TraversalRay {
         [origin64, direction64]: [DVec4; 2],
         shear: Shear,
         is_rounded: bool,
-    ) -> Self {
+    ) -> Option<Self> {
         let reciprocal = direction.recip();
-        // The near reciprocal of a zero (or denormal) component must stay finite: it then never over-estimates the
-        // entry, where an infinite one would turn an origin in the plane into NaN.
-        let near = reciprocal * (1.0 - Self::PADDING);
-        let near_reciprocals = near.min(Vec4::splat(f32::MAX)).max(Vec4::splat(-f32::MAX));
+        let mut near_reciprocals = reciprocal * (1.0 - Self::PADDING);
         let far_reciprocals = reciprocal * (1.0 + Self::PADDING);
-        Self { origin, near_reciprocals, direction, far_reciprocals, shear, origin64, direction64, is_rounded }
+        let is_below = |v: Vec4| v.abs().cmple(Vec4::splat(Self::LARGEST_OF_REGULAR));
+        let is_regular = (is_below(origin) & is_below(direction) & is_below(far_reciprocals)).all();
+        if !is_regular {
+            if !is_valid(origin, direction) {
+                return None;
+            }
+            // The near reciprocal of a zero (or denormal) component must stay finite: it then never over-estimates the
+            // entry, where an infinite one would turn an origin in the plane into NaN.
+            near_reciprocals = near_reciprocals.min(Vec4::splat(f32::MAX)).max(Vec4::splat(-f32::MAX));
+        }
+        Some(Self {
+            origin,
+            near_reciprocals,
+            direction,
+            far_reciprocals,
+            shear,
+            origin64,
+            direction64,
+            is_rounded,
+            is_regular,
+        })
     }
 
     /// The ray in f32.
@@ -138,6 +159,14 @@ impl TraversalRay {
     #[inline]
     pub fn is_rounded(&self) -> bool {
         self.is_rounded
+    }
+
+    /// Whether no component of the direction is zero, denormal or enormous, and neither the origin nor the time is far
+    /// outside of the domain: products of any two of its numbers, and of one with a coordinate, are far from the ends of
+    /// f32.
+    #[inline]
+    pub fn is_regular(&self) -> bool {
+        self.is_regular
     }
 
     /// The reciprocals of the direction, and then a number near 1, twice: for the planes through which the ray enters a
@@ -270,6 +299,24 @@ mod tests {
             assert!(TraversalRay::new(&Ray::new([0.0; 3], [zero; 3])).is_none());
         }
         assert!(TraversalRay::new(&Ray::new([0.0; 3], [1e-45, 0.0, 0.0])).is_some());
+    }
+
+    #[test]
+    fn regular_rays_have_numbers_between_the_limits() {
+        let limit = TraversalRay::LARGEST_OF_REGULAR;
+        let is_regular = |x: f32, time: f32| {
+            let prepare = |o, d| TraversalRay::new(&Ray::new(o, d).at_time(time)).expect("valid").is_regular();
+            [prepare([0.0, x, 0.0], [1.0; 3]), prepare([0.0; 3], [1.0, 1.0, x])]
+        };
+        assert_eq!(is_regular(-limit, 0.0), [true; 2]);
+        assert_eq!(is_regular(limit.next_up(), 0.0), [false; 2]);
+        // The reciprocal of the second is widened beyond the limit.
+        assert_eq!(is_regular(1.0 / limit * (1.0 + 2.0 * TraversalRay::PADDING), limit), [true; 2]);
+        assert_eq!(is_regular(1.0 / limit, limit), [true, false]);
+        for zero in [0.0, -0.0, f32::from_bits(1)] {
+            assert_eq!(is_regular(zero, 0.0), [true, false]);
+        }
+        assert_eq!(is_regular(1.0, limit.next_up()), [false; 2]);
     }
 
     #[test]

@@ -6,7 +6,6 @@ use geometry::glam::Vec3;
 use geometry::{Interval, Ray, TraversalRay};
 
 use super::arena::Child;
-use super::box_ray::is_regular;
 use super::collapse::WideTree;
 use super::packet::{Together, WORTHWHILE};
 use super::queries::{Answered, Asked, answer};
@@ -211,7 +210,7 @@ fn next_regular<'a, Q: Answered<'a>>(
         let (ray, to) = (rays.get(index)?, answers.get_mut(index)?);
         *next += 1;
         match prepared(ray) {
-            Some((ray, interval)) if is_regular(&ray) => return Some((index, ray, interval)),
+            Some((ray, interval)) if ray.is_regular() => return Some((index, ray, interval)),
             Some((ray, interval)) => *to = answer::<Q>(triangles, width, &ray, interval),
             None => *to = Q::Answer::default(),
         }

@@ -4,18 +4,7 @@ use geometry::TraversalRay;
 use geometry::glam::Vec4;
 
 use super::node::WideNode;
-use super::triangle_ray::LARGEST;
 use crate::simd::{LANES, Lanes};
-
-/// Whether nothing overflows in the regular form of the box test: no component of the direction is zero, denormal or
-/// enormous, and the origin is not far outside of the domain.
-#[inline(always)]
-pub(crate) fn is_regular(ray: &TraversalRay) -> bool {
-    const LIMIT: f32 = LARGEST;
-    let limit = Vec4::splat(LIMIT);
-    let is_below = |v: Vec4| v.abs().cmple(limit);
-    (is_below(ray.origin_and_time()) & is_below(ray.direction_and_one()) & is_below(ray.reciprocals()[1])).all()
-}
 
 /// A ray for the box test, in lanes: the reciprocals of its direction, shrunk where it enters a slab and widened where
 /// it leaves, and an origin for each, so that the test never loses a box that the exact ray meets.

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use geometry::{Interval, TraversalRay};
 
 use super::arena::{Arena, Child};
-use super::box_ray::{BoxLanes, Slabs, is_regular};
+use super::box_ray::{BoxLanes, Slabs};
 use super::node::WideNode;
 use crate::MAX_DEPTH;
 use crate::simd::{Lanes, Stack};
@@ -157,7 +157,7 @@ pub(crate) fn traverse<L: Lanes, N: WideNode>(
     query: &mut impl Query,
 ) {
     let Some(root) = root.filter(|_| !interval.is_empty()) else { return };
-    if is_regular(ray) {
+    if ray.is_regular() {
         traverse_as::<L, true, N>(arena, root, ray, interval, query);
     } else {
         traverse_as::<L, false, N>(arena, root, ray, interval, query);

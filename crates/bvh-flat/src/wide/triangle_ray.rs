@@ -2,7 +2,6 @@
 
 use geometry::TraversalRay;
 
-use super::box_ray::is_regular;
 use crate::simd::{LANES, LEAF_NUMBERS, Lanes};
 
 /// Half the spacing of f32 at 1.
@@ -10,7 +9,7 @@ const U: f32 = f32::EPSILON / 2.0;
 
 /// 2⁻⁶⁰ and 2⁶⁰: products of two numbers between them, and of one with a coordinate, are far from the ends of f32.
 const LEAST: f32 = 1.0 / LARGEST;
-pub(crate) const LARGEST: f32 = (1_u64 << 60) as f32;
+const LARGEST: f32 = TraversalRay::LARGEST_OF_REGULAR;
 
 /// A ray for the filter: the shear of Woop, Benthin and Wald 2013, in f32.
 #[derive(Clone, Copy, Debug)]
@@ -77,7 +76,7 @@ impl TriangleRay {
         let k = [kx, 3_usize.wrapping_sub(kx + kz) & 3, kz];
         let o = [o[k[0]], o[k[1]], o[k[2]]];
         let (mut rdz, mut origin_error) = (-shear.rdz, 0.0);
-        if !is_regular(ray) || ray.is_rounded() {
+        if !ray.is_regular() || ray.is_rounded() {
             (rdz, origin_error) = careful(rdz, o[0].abs().max(o[1].abs()).max(o[2].abs()), ray.is_rounded());
         }
         let least_error = origin_error * origin_error / 16.0 + f32::MIN_POSITIVE;

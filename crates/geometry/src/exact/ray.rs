@@ -200,6 +200,10 @@ pub fn are_coplanar(a: &[Vec3; 3], b: &[Vec3; 3]) -> bool {
 /// in the order kx, ky, kz of the ray's [shear](TraversalRay::shear).
 ///
 /// Compiled in place, so that a kernel for wider registers has it in its own instructions.
+///
+/// Rejected: registers of four f64, with the errors bounded by what the filter found in f32, in half of the
+/// instructions (on an Ice Lake 0 % more rays of 28 kinds, random ones of the sponza 3 %), also by Cramer's rule (0 %);
+/// and to compute them as soon as a triangle is found, while the ray goes on (4 % fewer).
 #[inline(always)]
 pub fn values_of_hit(ray: &TraversalRay, vertices: &[[f32; 3]; 3]) -> TriangleHit {
     let (values, is_certain) = values_in_frame(&Frame::new(ray), vertices);
