@@ -94,7 +94,7 @@ impl ExactRay {
         let [low, high] = sheared.edge_range();
         let edge_error = sheared.edge_error();
         let mut tier = Tier::Certificate;
-        let is_hit = if low < -edge_error && high > edge_error {
+        let is_hit = if (low < -edge_error && high > edge_error) || sheared.is_passed_by() {
             false
         } else if low > edge_error || high < -edge_error {
             true

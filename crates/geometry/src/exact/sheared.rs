@@ -114,6 +114,12 @@ fn larger(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
 }
 
+/// The largest size of three numbers.
+#[inline(always)]
+fn largest(v: &[f64; 3]) -> f64 {
+    larger(larger(v[0].abs(), v[1].abs()), v[2].abs())
+}
+
 impl Sheared {
     /// The smallest and the largest edge function.
     #[inline(always)]
@@ -128,10 +134,23 @@ impl Sheared {
     /// |pₓ d_z| <= R + Z and so δ <= 3u R + 4u Z, here 8u (R + Z); and E <= δ (4.5 R + 2δ), here 5 δ (R + δ).
     #[inline(always)]
     pub(super) fn edge_error(&self) -> f64 {
-        let largest = |v: &[f64; 3]| larger(larger(v[0].abs(), v[1].abs()), v[2].abs());
-        let (r, z) = (larger(largest(&self.x), largest(&self.y)), largest(&self.z) * self.dz.abs());
-        let delta = 8.0 * U * (r + z);
+        let r = larger(largest(&self.x), largest(&self.y));
+        let delta = self.error(r);
         5.0 * delta * (r + delta) + TINY
+    }
+
+    /// δ, of R.
+    #[inline(always)]
+    fn error(&self, r: f64) -> f64 {
+        8.0 * U * (r + largest(&self.z) * self.dz.abs())
+    }
+
+    /// Whether the ray passes beside the box of the triangle in its frame for certain: all three vertices lie on one
+    /// side of it. Of an origin 10⁹ triangles away, from which all three coordinates are nearly the same number and the
+    /// edge functions say nothing, this still does.
+    pub(super) fn is_passed_by(&self) -> bool {
+        let error = self.error(larger(largest(&self.x), largest(&self.y))) + f64::MIN_POSITIVE;
+        [self.x, self.y].iter().any(|c| c.iter().all(|&c| c > error) || c.iter().all(|&c| c < -error))
     }
 
     /// The barycentrics eᵢ / Σe of the second and the third vertex, and whether they are certain within 2⁻²⁴.

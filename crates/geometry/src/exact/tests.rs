@@ -103,6 +103,30 @@ fn cases(count: usize) -> impl Iterator<Item = (usize, TraversalRay, Line, [Vec3
 }
 
 #[test]
+fn triangles_that_are_passed_by_are_not_met() {
+    let mut counts = [0; 2];
+    for (i, ray, line, vertices) in cases(60_000) {
+        let is_passed_by = Frame::new(&ray).shear(&vertices).is_passed_by();
+        assert!(!is_passed_by || !line.meets(&vertices), "{i} {ray:?} {vertices:?}");
+        counts[usize::from(is_passed_by)] += 1;
+    }
+    assert!(counts.into_iter().all(|count| count > 5_000), "{counts:?}");
+    // From far away everything else is in doubt.
+    let mut random = Random(9);
+    let mut tiers = TierCounts::default();
+    for exponent in [30, 60, 90, 120] {
+        for _ in 0..1_000 {
+            let [v0, v1, v2] = [0; 3].map(|_| random.vector().as_vec3());
+            let origin = (random.vector() * 2.0_f64.powi(exponent)).as_vec3();
+            let Some(ray) = TraversalRay::new(&Ray::new(origin, random.vector().as_vec3())) else { continue };
+            let hit = ExactRay::unfiltered(&ray).intersect_triangle(&[v0, v1, v2], Interval::FULL, &mut tiers);
+            assert!(hit.is_none());
+        }
+    }
+    assert_eq!((tiers.filter, tiers.exact), (0, 0), "{tiers:?}");
+}
+
+#[test]
 fn edge_functions_are_within_their_bounds() {
     let mut certain = [0; 2];
     for (i, ray, line, vertices) in cases(60_000) {
