@@ -19,20 +19,18 @@ use crate::recursive::Rules;
 use crate::room::Room;
 use crate::split::sah::{Limit, Plane, cheapest_plane};
 use crate::split::{Split, split};
-use crate::subtree::{Part, Step, Subtree};
-use crate::{BuildConfig, Cancelled, Node, ProgressReporter, SplitAxes, SplitMethod};
+use crate::subtree::{Block, Part, Step, Subtree};
+use crate::{BuildConfig, Cancelled, ProgressReporter, SplitAxes, SplitMethod};
 
 /// Whether trees are grown here.
 pub(crate) fn is_for(config: &BuildConfig) -> bool {
     config.split_method == SplitMethod::Sah && config.axes == SplitAxes::All
 }
 
-/// The subtree of `prims`, whose extent is `extent`, and their indices in the order of its leaves.
-pub(crate) fn grow(prims: &mut [PrimInfo], extent: Extent, rules: &Rules) -> Result<(Subtree, Vec<u32>), Cancelled> {
+/// The subtree of `prims`, whose extent is `extent`.
+pub(crate) fn grow(prims: &mut [PrimInfo], extent: Extent, rules: &Rules) -> Result<Subtree, Cancelled> {
     let mut other = Room::zeroed(prims.len());
-    let mut order = vec![0; prims.len()];
-    let group = Group { prims, other: &mut other, order: &mut order, first: 0, extent, rules };
-    Ok((Subtree::grow(group, 1, rules.progress)?, order))
+    Subtree::grow(Group { prims, other: &mut other, extent, rules }, 1, rules)
 }
 
 /// A set of primitives to split.
@@ -40,9 +38,6 @@ struct Group<'a> {
     prims: &'a mut [PrimInfo],
     /// Where they are moved to: as much room.
     other: &'a mut [PrimInfo],
-    /// Where their indices go.
-    order: &'a mut [u32],
-    first: usize,
     extent: Extent,
     rules: &'a Rules<'a>,
 }
@@ -50,7 +45,7 @@ struct Group<'a> {
 /// The plane that the heuristic finds for a node at `depth`; `None` where the set is a leaf, or must be split without
 /// one.
 fn cheapest(prims: &[PrimInfo], extent: &Extent, rules: &Rules, depth: u32) -> Result<Option<Plane>, Cancelled> {
-    let Rules { config, limit, progress } = rules;
+    let Rules { config, limit, progress, .. } = rules;
     let is_weighed = prims.len() > config.full_sweep as usize
         && !Limit::is_cheap(prims.len(), config)
         && limit.allows_any_split(depth, prims.len())
@@ -64,12 +59,8 @@ fn cheapest(prims: &[PrimInfo], extent: &Extent, rules: &Rules, depth: u32) -> R
 }
 
 impl Part for Group<'_> {
-    fn len(&self) -> usize {
-        self.prims.len()
-    }
-
-    fn first(&self) -> usize {
-        self.first
+    fn prims(&self) -> &[PrimInfo] {
+        self.prims
     }
 
     fn split(mut self, depth: u32) -> Result<Step<Self>, Cancelled> {
@@ -86,21 +77,17 @@ impl Part for Group<'_> {
                 let is_free = limit.allows_any_split(depth, self.prims.len());
                 match split(self.prims, &self.extent, self.rules, is_free)? {
                     Some(Split { axis, middle, extents }) => (axis, middle, extents),
-                    None => {
-                        block::write_order(self.order, self.prims);
-                        return Ok(Step::Leaf(self.extent.bounds.to_bounds()));
-                    }
+                    None => return Ok(Step::Leaf(self.extent.bounds.to_bounds(), self)),
                 }
             }
         };
-        let Self { prims, other, order, first, rules, .. } = self;
+        let Self { prims, other, rules, .. } = self;
         let (a, b) = prims.split_at_mut(middle);
         let (a_other, b_other) = other.split_at_mut(middle);
-        let (a_order, b_order) = order.split_at_mut(middle);
         Ok(Step::Interior(
             axis,
-            Self { prims: a, other: a_other, order: a_order, first, extent: extents[0], rules },
-            Self { prims: b, other: b_other, order: b_order, first: first + middle, extent: extents[1], rules },
+            Self { prims: a, other: a_other, extent: extents[0], rules },
+            Self { prims: b, other: b_other, extent: extents[1], rules },
         ))
     }
 
@@ -114,8 +101,8 @@ impl Part for Group<'_> {
         })
     }
 
-    fn finish(&mut self, depth: u32, nodes: &mut Vec<Node>) -> Result<Option<u32>, Cancelled> {
-        block::grow(self, depth, nodes).map(Some)
+    fn finish(&mut self, depth: u32, block: &mut Block) -> Result<Option<u32>, Cancelled> {
+        block::grow(self, depth, block).map(Some)
     }
 }
 

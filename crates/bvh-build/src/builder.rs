@@ -4,9 +4,9 @@ use geometry::Bounds3;
 
 use crate::assembly::Parts;
 use crate::depth::{MAX_DEPTH, MAX_PRIMITIVES};
-use crate::prim_info::{ActivePrims, PrimInfo};
+use crate::prim_info::ActivePrims;
 use crate::recursive::{Group, Rules};
-use crate::subtree::{SEQUENTIAL, Subtree};
+use crate::subtree::{Block, Subtree};
 use crate::{
     BuildConfig, BuildError, BuildObserver, Cancelled, ClippedBounds, Node, Phase, ProgressReporter, SpatialSplits,
     SplitMethod, Tree, TreeStatistics, binned, hlbvh, merge, reinsertion, spatial, tiny,
@@ -76,8 +76,9 @@ fn build_clipped(
     let is_merged = config.reinsertion.is_some_and(|options| options.merged_leaves);
     let growth = if is_merged { config.with_max_primitives_in_leaf(1) } else { *config };
     let may_merge = is_merged && config.max_primitives_in_leaf > 1;
-    // In a tree whose space is split no leaf of so few reaches beyond a block.
-    let is_within_blocks = splits.is_some() && config.max_primitives_in_leaf as usize <= SEQUENTIAL;
+    // Block by block, so that there is never room for all small ones. No leaf of so few reaches beyond a block: above
+    // them are nodes of more, but where a few codes make a treelet.
+    let is_within_blocks = config.split_method != SplitMethod::Hlbvh && config.max_primitives_in_leaf <= 256;
     let merging = (may_merge && is_within_blocks).then_some(config);
     let (mut nodes, mut order) = match splits {
         Some((splits, clipped)) if active_count > 0 => {
@@ -86,14 +87,14 @@ fn build_clipped(
             let clipped = if is_tiny { &of_tiny } else { clipped };
             grow_split(active, &splits, clipped, &growth, merging, observer)?
         }
-        _ => grow(active, &growth, observer)?,
+        _ => grow(active, &growth, merging, observer)?,
     };
     if let Some(options) = &config.reinsertion {
         let most = reinsertion::rated_slots(nodes.len(), options);
         (nodes, order) = ProgressReporter::observe(observer, Phase::Reinsertion, most, |progress| {
             // Before and not after: the trees cost the same, and a third of the build's time is saved.
             if may_merge && merging.is_none() {
-                (nodes, order) = merge::leaves(&nodes, &order, config, progress)?;
+                Block { nodes, order } = merge::leaves(&Block { nodes, order }, config, progress)?;
                 progress.update(most - reinsertion::rated_slots(nodes.len(), options))?;
             }
             reinsertion::optimize(nodes, order, options, observer, progress)
@@ -130,33 +131,34 @@ impl Tree {
     }
 }
 
-/// Those of the tree over `active` primitives.
-fn grow(mut active: ActivePrims, config: &BuildConfig, observer: &dyn BuildObserver) -> Result<Parts, Cancelled> {
+/// Those of the tree over `active` primitives, with leaves merged, if so.
+fn grow(
+    mut active: ActivePrims,
+    config: &BuildConfig,
+    merging: Option<&BuildConfig>,
+    observer: &dyn BuildObserver,
+) -> Result<Parts, Cancelled> {
     let extent = active.extent;
     let prims = active.prims();
     if prims.is_empty() {
         return Ok((Vec::new(), Vec::new()));
     }
-    let (root, indices) = if config.split_method == SplitMethod::Hlbvh {
+    let root = if config.split_method == SplitMethod::Hlbvh {
         hlbvh::grow(prims, &extent, config, observer)?
     } else {
         recursion(observer, prims.len(), |progress| {
-            let rules = Rules::new(config, MAX_DEPTH, progress);
+            let rules = Rules { merging, ..Rules::new(config, MAX_DEPTH, progress) };
             if binned::is_for(config) {
                 return binned::grow(prims, extent, &rules);
             }
-            let root = Subtree::grow(Group::with_extent(prims, 0, extent, &rules), 1, progress)?;
-            Ok((root, prims.iter().map(PrimInfo::index).collect()))
+            Subtree::grow(Group::with_extent(prims, extent, &rules), 1, &rules)
         })?
     };
     drop(active);
-    ProgressReporter::observe(observer, Phase::Assembly, root.node_count(), |progress| {
-        root.assemble(&indices, progress)
-    })
+    assemble(root, observer)
 }
 
-/// As [`grow`], where space may be split: behind the primitives there is room for more references to them. With
-/// leaves merged, if so.
+/// As [`grow`], where space may be split: behind the primitives there is room for more references to them.
 fn grow_split(
     active: ActivePrims,
     splits: &SpatialSplits,
@@ -167,14 +169,16 @@ fn grow_split(
 ) -> Result<Parts, Cancelled> {
     let ActivePrims { mut room, count, extent } = active;
     let root = recursion(observer, room.len(), |progress| {
-        let setting = spatial::Setting::new(Rules::new(config, MAX_DEPTH, progress), splits, clipped, &extent);
-        Subtree::grow(spatial::Group::new(&mut room, count, extent, &setting), 1, progress)
+        let rules = Rules { merging, ..Rules::new(config, MAX_DEPTH, progress) };
+        let setting = spatial::Setting::new(&rules, splits, clipped, &extent);
+        Subtree::grow(spatial::Group::new(&mut room, count, extent, &setting), 1, &rules)
     })?;
-    let indices: Vec<u32> = room.iter().map(PrimInfo::index).collect();
-    drop(room); // Nothing takes more memory than the nodes of now and these.
-    ProgressReporter::observe(observer, Phase::Assembly, root.node_count(), |progress| {
-        root.assemble_references(&indices, merging, progress)
-    })
+    drop(room);
+    assemble(root, observer)
+}
+
+fn assemble(root: Subtree, observer: &dyn BuildObserver) -> Result<Parts, Cancelled> {
+    ProgressReporter::observe(observer, Phase::Assembly, root.node_count(), |progress| root.assemble(progress))
 }
 
 fn recursion<T>(

@@ -1,59 +1,37 @@
 //! Leaves of several primitives, where these cost less than a subtree.
 
-use crate::assembly::append_leaf;
+use crate::subtree::Block;
 use crate::{BuildConfig, Cancelled, Node, NodeKind, ProgressReporter};
 
-/// The tree of `nodes` and `order` with [merged](append) leaves.
-pub(crate) fn leaves(
-    nodes: &[Node],
-    order: &[u32],
-    config: &BuildConfig,
-    progress: &ProgressReporter,
-) -> Result<(Vec<Node>, Vec<u32>), Cancelled> {
-    let (mut merged, mut merged_order) = (Vec::new(), Vec::with_capacity(order.len()));
-    append(nodes, &|place| order[place], config, &mut merged, &mut merged_order, progress)?;
-    Ok((merged, merged_order))
-}
-
-/// Appends a subtree, whose second children are relative to its first node, with each subtree made a leaf whose
-/// primitives are cheaper to test at once, and fit a leaf: the largest such subtrees, of equal costs the leaf. Costs
-/// are those of the surface area heuristic. `index` is that of the primitive at a place of a leaf's range.
-pub(crate) fn append(
-    subtree: &[Node],
-    index: &impl Fn(usize) -> u32,
-    config: &BuildConfig,
-    nodes: &mut Vec<Node>,
-    order: &mut Vec<u32>,
-    progress: &ProgressReporter,
-) -> Result<(), Cancelled> {
-    let rated = rate(subtree, config, progress)?;
+/// The tree with each subtree made a leaf whose primitives are cheaper to test at once, and fit a leaf: the largest such
+/// subtrees, of equal costs the leaf. Costs are those of the surface area heuristic.
+pub(crate) fn leaves(tree: &Block, config: &BuildConfig, progress: &ProgressReporter) -> Result<Block, Cancelled> {
+    let rated = rate(&tree.nodes, config, progress)?;
+    let mut merged = Block { nodes: Vec::new(), order: Vec::with_capacity(tree.order.len()) };
     // Interior nodes whose second child is to come, the next one last: where they were to find it, and where they are.
     let mut pending: Vec<(usize, usize)> = Vec::new();
     let mut next = 0;
-    while next < subtree.len() {
+    while next < tree.nodes.len() {
         progress.check_step(next)?;
-        let here = nodes.len();
-        if let Some((_, parent)) = pending.pop_if(|&mut (second, _)| second == next)
-            && let NodeKind::Interior { second_child, .. } = &mut nodes[parent].kind
-        {
-            *second_child = here as u32;
+        if let Some((_, parent)) = pending.pop_if(|&mut (second, _)| second == next) {
+            merged.begin_second_child(parent);
         }
-        let (node, rated) = (subtree[next], &rated[next]);
-        let kind = match node.kind {
+        let (node, rated) = (tree.nodes[next], &rated[next]);
+        match node.kind {
             NodeKind::Interior { second_child, .. } if !rated.is_leaf => {
-                pending.push((second_child as usize, here));
+                pending.push((second_child as usize, merged.nodes.len()));
                 next += 1;
-                node.kind
+                merged.nodes.push(node);
             }
             _ => {
-                let below = &subtree[next..][..rated.node_count as usize];
+                let below = &tree.nodes[next..][..rated.node_count as usize];
                 next += below.len();
-                append_leaf(order, below.iter().flat_map(|node| node.kind.places()).map(index))
+                let places = below.iter().flat_map(|node| node.kind.places());
+                merged.push_leaf(node.bounds, places.map(|place| tree.order[place]));
             }
-        };
-        nodes.push(Node { kind, ..node });
+        }
     }
-    Ok(())
+    Ok(merged)
 }
 
 /// What is below a node.
@@ -93,7 +71,7 @@ fn rate(nodes: &[Node], config: &BuildConfig, progress: &ProgressReporter) -> Re
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::build;
+    use crate::{Reinsertion, SplitMethod, build};
     use geometry::Bounds3;
     use geometry::glam::Vec3;
 
@@ -133,8 +111,8 @@ mod tests {
                 for (t_trav, t_isect, t_leaf) in [(0.5, 1.0, 0.0), (2.0, 1.0, 0.0), (0.0, 1.0, 0.0), (0.3, 0.1, 1.5)] {
                     let config = BuildConfig::default().with_max_primitives_in_leaf(leaf);
                     let config = config.with_costs(t_trav, t_isect).with_leaf_cost(t_leaf);
-                    let (nodes, order) =
-                        leaves(fine.nodes(), fine.order(), &config, &progress).expect("nobody cancels");
+                    let fine_block = Block { nodes: fine.nodes().to_vec(), order: fine.order().to_vec() };
+                    let Block { nodes, order } = leaves(&fine_block, &config, &progress).expect("nobody cancels");
                     let coarse = crate::Tree::new(nodes, order, [n as usize; 2], &config, &progress);
                     let coarse = coarse.expect("nobody cancels");
                     let statistics = coarse.statistics();
@@ -150,5 +128,42 @@ mod tests {
             }
         }
         assert!(merged > 500, "{merged}");
+    }
+
+    /// Where the builder merges them block by block.
+    #[test]
+    fn leaves_of_blocks_are_those_of_the_whole() {
+        let mut state = 3_u64;
+        let mut random = || {
+            state = state.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(1);
+            (state >> 40) as f32 / (1 << 24) as f32
+        };
+        let mut point = |scale: f32| scale * Vec3::new(random(), random(), random());
+        let bounds: Vec<_> = (0..9_000)
+            .map(|_| {
+                let p = point(1.0);
+                Bounds3::new(p, p + point(0.02))
+            })
+            .collect();
+        let progress = ProgressReporter::unobserved();
+        for config in [
+            BuildConfig::balanced(),
+            BuildConfig::new(SplitMethod::Sah),
+            BuildConfig::new(SplitMethod::Middle),
+            BuildConfig::new(SplitMethod::EqualCounts),
+            BuildConfig::fastest(),
+        ] {
+            for leaf in [4, 256, 600] {
+                let config = config.with_costs(1.0, 0.02).with_leaf_cost(0.5);
+                let fine = build(&bounds, &config.with_max_primitives_in_leaf(1)).expect("valid");
+                let config = config.with_max_primitives_in_leaf(leaf);
+                let fine = Block { nodes: fine.nodes().to_vec(), order: fine.order().to_vec() };
+                let Block { nodes, order } = leaves(&fine, &config, &progress).expect("nobody cancels");
+                let merged = build(&bounds, &config.with_reinsertion(Some(Reinsertion::new(0, 1.0)))).expect("valid");
+                assert!(merged.nodes() == nodes && merged.order() == order, "{config:?}");
+                let largest = merged.statistics().largest_leaf;
+                assert!(largest > 100.min(leaf / 2), "{largest} {config:?}");
+            }
+        }
     }
 }

@@ -5,8 +5,7 @@ use geometry::{Axis, Bounds3};
 use crate::prim_info::PrimInfo;
 use crate::recursive::Rules;
 use crate::split::sah::{Limit, MAX_SWEPT, Sorted};
-use crate::subtree::{interior, leaf};
-use crate::{Node, NodeKind};
+use crate::subtree::Block;
 
 /// A part that is still to be split: a range of the sorted primitives.
 #[derive(Clone, Copy, Default)]
@@ -15,14 +14,13 @@ struct Range {
     end: usize,
     depth: u32,
     /// The node whose second child it is.
-    parent: Option<(usize, Axis)>,
+    parent: Option<usize>,
 }
 
-/// Appends the subtree of `prims`, at most [`MAX_SWEPT`], which begin at `first` in the order of all. Its root is at
-/// `depth`; the result is the depth of the deepest node. The tree is that of one sweep for each node, and the sorting
-/// is done once for all.
+/// Appends the subtree of `prims`, at most [`MAX_SWEPT`], to `block`. Its root is at `depth`; the result is the depth of
+/// the deepest node. The tree is that of one sweep for each node, and the sorting is done once for all.
 #[inline(never)] // Its arrays are large.
-pub(crate) fn grow(prims: &mut [PrimInfo], first: usize, rules: &Rules, depth: u32, nodes: &mut Vec<Node>) -> u32 {
+pub(crate) fn grow(prims: &[PrimInfo], rules: &Rules, depth: u32, block: &mut Block) -> u32 {
     let mut sorted = Sorted::new(prims);
     // A part of n primitives leaves at most one part pending for each level, and there are fewer than n levels.
     let mut pending = [Range::default(); MAX_SWEPT];
@@ -33,22 +31,21 @@ pub(crate) fn grow(prims: &mut [PrimInfo], first: usize, rules: &Rules, depth: u
         count -= 1;
         let Range { begin, end, depth, parent } = pending[count];
         deepest = deepest.max(depth);
-        if let Some((parent, axis)) = parent {
-            nodes[parent].kind = NodeKind::Interior { axis, second_child: nodes.len() as u32 };
+        if let Some(parent) = parent {
+            block.begin_second_child(parent);
         }
         match choose(&mut sorted, prims, begin, end, rules, depth) {
-            Choice::Leaf(bounds) => nodes.push(leaf(bounds, first + begin, end - begin)),
+            Choice::Leaf(bounds) => block.push_leaf(bounds, sorted.indices(prims, begin, end)),
             Choice::Split(axis, middle) => {
                 sorted.part(axis, begin, middle, end);
-                let here = nodes.len();
-                nodes.push(interior(Bounds3::EMPTY, axis));
-                pending[count] = Range { begin: middle, end, depth: depth + 1, parent: Some((here, axis)) };
+                let here = block.nodes.len();
+                block.push_interior(axis);
+                pending[count] = Range { begin: middle, end, depth: depth + 1, parent: Some(here) };
                 pending[count + 1] = Range { begin, end: middle, depth: depth + 1, parent: None };
                 count += 2;
             }
         }
     }
-    sorted.permute(Axis::X, prims);
     deepest
 }
 
@@ -93,19 +90,18 @@ mod tests {
     use geometry::glam::Vec3;
 
     /// The same subtree with a sweep, and a sort, for each node.
-    fn naive(part: impl Part, depth: u32, nodes: &mut Vec<Node>) -> u32 {
-        let (first, count) = (part.first(), part.len());
+    fn naive(part: impl Part, depth: u32, block: &mut Block) -> u32 {
         match part.split(depth).expect("nobody cancels") {
-            Step::Leaf(bounds) => {
-                nodes.push(leaf(bounds, first, count));
+            Step::Leaf(bounds, part) => {
+                block.push_leaf(bounds, part.prims().iter().map(PrimInfo::index));
                 depth
             }
             Step::Interior(axis, a, b) => {
-                let here = nodes.len();
-                nodes.push(interior(Bounds3::EMPTY, axis));
-                let deepest = naive(a, depth + 1, nodes);
-                nodes[here].kind = NodeKind::Interior { axis, second_child: nodes.len() as u32 };
-                deepest.max(naive(b, depth + 1, nodes))
+                let here = block.nodes.len();
+                block.push_interior(axis);
+                let deepest = naive(a, depth + 1, block);
+                block.begin_second_child(here);
+                deepest.max(naive(b, depth + 1, block))
             }
         }
     }
@@ -141,25 +137,15 @@ mod tests {
                         .with_full_sweep(MAX_SWEPT as u32);
                     let progress = ProgressReporter::unobserved();
                     let rules = Rules::new(&config, limit, &progress);
-                    let (mut fast, mut slow) = (boxes(n, seed), boxes(n, seed));
-                    let [mut nodes, mut expected] = [vec![], vec![]];
-                    let deepest = grow(&mut fast, 7, &rules, 2, &mut nodes);
+                    let (fast, mut slow) = (boxes(n, seed), boxes(n, seed));
+                    let [mut block, mut expected] = [Block::default(), Block::default()];
+                    let deepest = grow(&fast, &rules, 2, &mut block);
                     let what = format!("{n} {seed} {leaf} {limit}");
-                    let group = Group::new(&mut slow, 7, &rules).expect("nobody cancels");
+                    let group = Group::new(&mut slow, &rules).expect("nobody cancels");
                     assert_eq!(deepest, naive(group, 2, &mut expected), "{what}");
-                    let kinds = |nodes: &[Node]| nodes.iter().map(|node| node.kind).collect::<Vec<_>>();
-                    assert_eq!(kinds(&nodes), kinds(&expected), "{what}");
-                    for node in &nodes {
-                        let NodeKind::Leaf { first, count } = node.kind else { continue };
-                        let range = first as usize - 7..(first + count) as usize - 7;
-                        let indices = |prims: &[PrimInfo]| {
-                            let mut indices: Vec<_> = prims[range.clone()].iter().map(|p| p.index()).collect();
-                            indices.sort_unstable();
-                            indices
-                        };
-                        assert_eq!(indices(&fast), indices(&slow), "{what}");
-                    }
-                    splits += nodes.len() - 1;
+                    let kinds = |block: &Block| block.nodes.iter().map(|node| node.kind).collect::<Vec<_>>();
+                    assert_eq!((kinds(&block), block.order), (kinds(&expected), expected.order), "{what}");
+                    splits += block.nodes.len() - 1;
                 }
             }
         }

@@ -3,18 +3,17 @@
 use geometry::{Axis, Bounds3};
 
 use crate::parallel::join;
-use crate::{Cancelled, Node, NodeKind, ProgressReporter};
+use crate::prim_info::PrimInfo;
+use crate::recursive::Rules;
+use crate::{Cancelled, Node, NodeKind, merge};
 
 /// Up to this many primitives a subtree is grown by one thread into one block of nodes.
 pub(crate) const SEQUENTIAL: usize = 2048;
 
 /// A set of primitives that will be a subtree.
 pub(crate) trait Part: Send + Sized {
-    /// How many primitives it has; at least one.
-    fn len(&self) -> usize;
-
-    /// Where they begin in the order of all.
-    fn first(&self) -> usize;
+    /// The primitives; one at least. In trees whose space is split a primitive may be among them several times.
+    fn prims(&self) -> &[PrimInfo];
 
     /// What becomes of it as the node at `depth`, counted from 1 at the root.
     fn split(self, depth: u32) -> Result<Step<Self>, Cancelled>;
@@ -25,20 +24,66 @@ pub(crate) trait Part: Send + Sized {
         Ok(Err(self))
     }
 
-    /// Appends the whole subtree to `nodes`, with its root at `depth`, where there is a faster way than to split and
-    /// split again; the depth of its deepest node. Second children are relative to the first of `nodes`.
-    fn finish(&mut self, depth: u32, nodes: &mut Vec<Node>) -> Result<Option<u32>, Cancelled> {
-        let _ = (depth, nodes);
+    /// Appends the whole subtree to `block`, with its root at `depth`, where there is a faster way than to split and
+    /// split again; the depth of its deepest node.
+    fn finish(&mut self, depth: u32, block: &mut Block) -> Result<Option<u32>, Cancelled> {
+        let _ = (depth, block);
         Ok(None)
     }
 }
 
 /// What a part becomes.
 pub(crate) enum Step<P> {
-    /// A leaf with these bounds.
-    Leaf(Bounds3),
+    /// A leaf of it, with these bounds.
+    Leaf(Bounds3, P),
     /// An interior node over two parts, the lower along the axis first.
     Interior(Axis, P, P),
+}
+
+/// A subtree in one piece: nodes in depth-first order, with second children relative to the first node, and the
+/// primitives in the order of the leaves, within a leaf by index, with places relative to the first.
+#[derive(Debug, Default)]
+pub(crate) struct Block {
+    pub(crate) nodes: Vec<Node>,
+    pub(crate) order: Vec<u32>,
+}
+
+impl Block {
+    /// With room for the order of so many primitives, and for as many nodes.
+    fn with_room(count: usize) -> Self {
+        Self { nodes: Vec::with_capacity(count), order: Vec::with_capacity(count) }
+    }
+
+    /// Appends the leaf of some primitives, each of which it has once.
+    pub(crate) fn push_leaf(&mut self, bounds: Bounds3, indices: impl Iterator<Item = u32>) {
+        let order = &mut self.order;
+        let first = order.len();
+        order.extend(indices);
+        if order.len() > first + 1 {
+            // By index: since no split depends on the order of its primitives, nothing in the tree does.
+            order[first..].sort_unstable();
+            if order[first..].windows(2).any(|pair| pair[0] == pair[1]) {
+                let mut own = order.split_off(first);
+                own.dedup();
+                order.extend(own);
+            }
+        }
+        let kind = NodeKind::Leaf { first: first as u32, count: (order.len() - first) as u32 };
+        self.nodes.push(Node { bounds, kind });
+    }
+
+    /// Appends an interior node whose second child and bounds are not known yet.
+    pub(crate) fn push_interior(&mut self, axis: Axis) {
+        self.nodes.push(interior(Bounds3::EMPTY, axis));
+    }
+
+    /// The next node will be the second child of the one at `parent`.
+    pub(crate) fn begin_second_child(&mut self, parent: usize) {
+        let next = self.nodes.len() as u32;
+        if let NodeKind::Interior { second_child, .. } = &mut self.nodes[parent].kind {
+            *second_child = next;
+        }
+    }
 }
 
 /// A step of a large part.
@@ -47,11 +92,11 @@ enum Divided<P> {
     Interior(Axis, Box<P>, Box<P>),
 }
 
-/// A finished subtree. Its leaves' ranges are of the primitives as they lie in the builder's array.
+/// A finished subtree.
 #[derive(Debug)]
 pub(crate) enum Subtree {
-    /// Nodes in depth-first order, with second children relative to the first node.
-    Block { nodes: Vec<Node>, height: u32 },
+    /// No higher than this.
+    Block { block: Block, height: u32 },
     /// A node over two subtrees.
     Interior { axis: Axis, bounds: Bounds3, height: u32, children: Box<[Subtree; 2]> },
 }
@@ -59,34 +104,33 @@ pub(crate) enum Subtree {
 /// The subtree of nothing, which only takes the place of one that was moved out.
 impl Default for Subtree {
     fn default() -> Self {
-        Self::Block { nodes: Vec::new(), height: 0 }
+        Self::Block { block: Block::default(), height: 0 }
     }
 }
 
 impl Subtree {
     /// The subtree of `part`, with its root at `depth`. Its primitives are done then.
-    pub(crate) fn grow(part: impl Part, depth: u32, progress: &ProgressReporter) -> Result<Self, Cancelled> {
-        Self::grow_boxed(Box::new(part), depth, progress)
+    pub(crate) fn grow(part: impl Part, depth: u32, rules: &Rules) -> Result<Self, Cancelled> {
+        Self::grow_boxed(Box::new(part), depth, rules)
     }
 
     /// The same. A tree may be deep, and a worker's stack small: parts are not on it, and where one of two is small,
     /// the other is not grown by a call.
-    fn grow_boxed<P: Part>(mut part: Box<P>, mut depth: u32, progress: &ProgressReporter) -> Result<Self, Cancelled> {
+    fn grow_boxed<P: Part>(mut part: Box<P>, mut depth: u32, rules: &Rules) -> Result<Self, Cancelled> {
         let mut beside = Vec::new();
         let mut subtree = loop {
-            let (axis, a, b) = match Self::divide(part, depth, progress)? {
+            let (axis, a, b) = match Self::divide(part, depth, rules)? {
                 Divided::Whole(subtree) => break subtree,
                 Divided::Interior(axis, a, b) => (axis, a, b),
             };
             depth += 1;
-            let is_first = a.len() <= SEQUENTIAL;
-            if !is_first && b.len() > SEQUENTIAL {
-                let (a, b) =
-                    join(move || Self::grow_boxed(a, depth, progress), move || Self::grow_boxed(b, depth, progress));
+            let is_first = a.prims().len() <= SEQUENTIAL;
+            if !is_first && b.prims().len() > SEQUENTIAL {
+                let (a, b) = join(move || Self::grow_boxed(a, depth, rules), move || Self::grow_boxed(b, depth, rules));
                 break Self::interior(axis, a?, b?);
             }
             let (small, other) = if is_first { (a, b) } else { (b, a) };
-            beside.push((axis, is_first, Self::grow_block(small, depth, progress)?));
+            beside.push((axis, is_first, Self::grow_block(small, depth, rules)?));
             part = other;
         };
         for (axis, is_first, small) in beside.into_iter().rev() {
@@ -97,19 +141,20 @@ impl Subtree {
     }
 
     #[inline(never)] // For the same reason.
-    fn divide<P: Part>(part: Box<P>, depth: u32, progress: &ProgressReporter) -> Result<Divided<P>, Cancelled> {
-        if part.len() <= SEQUENTIAL {
-            return Self::grow_block(part, depth, progress).map(Divided::Whole);
+    fn divide<P: Part>(part: Box<P>, depth: u32, rules: &Rules) -> Result<Divided<P>, Cancelled> {
+        if part.prims().len() <= SEQUENTIAL {
+            return Self::grow_block(part, depth, rules).map(Divided::Whole);
         }
         let part = match part.grow_many(depth)? {
             Ok(subtree) => return Ok(Divided::Whole(subtree)),
             Err(part) => part,
         };
-        let (first, count) = (part.first(), part.len());
         Ok(match part.split(depth)? {
-            Step::Leaf(bounds) => {
-                progress.update(count)?;
-                Divided::Whole(Self::Block { nodes: vec![leaf(bounds, first, count)], height: 1 })
+            Step::Leaf(bounds, part) => {
+                rules.progress.update(part.prims().len())?;
+                let mut block = Block::default();
+                block.push_leaf(bounds, part.prims().iter().map(PrimInfo::index));
+                Divided::Whole(Self::Block { block, height: 1 })
             }
             Step::Interior(axis, a, b) => Divided::Interior(axis, Box::new(a), Box::new(b)),
         })
@@ -118,40 +163,42 @@ impl Subtree {
     /// As [`grow`](Self::grow), by one thread and with a stack of its own: what is pending are the second children.
     #[inline(never)]
     #[expect(clippy::boxed_local, reason = "not on the stack of the caller")]
-    fn grow_block<P: Part>(part: Box<P>, depth: u32, progress: &ProgressReporter) -> Result<Self, Cancelled> {
-        let count = part.len();
-        let mut nodes = Vec::with_capacity(count);
+    fn grow_block<P: Part>(part: Box<P>, depth: u32, rules: &Rules) -> Result<Self, Cancelled> {
+        let count = part.prims().len();
+        let mut block = Block::with_room(count);
         let mut deepest = depth;
         let mut pending = vec![(*part, depth, None)];
         while let Some((mut part, depth, parent)) = pending.pop() {
             deepest = deepest.max(depth);
-            if let Some((parent, axis)) = parent {
-                let second_child = nodes.len() as u32;
-                let parent: &mut Node = &mut nodes[parent];
-                parent.kind = NodeKind::Interior { axis, second_child };
+            if let Some(parent) = parent {
+                block.begin_second_child(parent);
             }
-            if let Some(end) = part.finish(depth, &mut nodes)? {
+            if let Some(end) = part.finish(depth, &mut block)? {
                 deepest = deepest.max(end);
                 continue;
             }
-            let (first, count) = (part.first(), part.len());
             match part.split(depth)? {
-                Step::Leaf(bounds) => nodes.push(leaf(bounds, first, count)),
+                Step::Leaf(bounds, part) => block.push_leaf(bounds, part.prims().iter().map(PrimInfo::index)),
                 Step::Interior(axis, a, b) => {
-                    pending.push((b, depth + 1, Some((nodes.len(), axis))));
+                    pending.push((b, depth + 1, Some(block.nodes.len())));
                     pending.push((a, depth + 1, None));
-                    nodes.push(interior(Bounds3::EMPTY, axis));
+                    block.push_interior(axis);
                 }
             }
         }
         // Children lie behind their parents, so from the back every child is ready before its parent.
+        let nodes = &mut block.nodes;
         for i in (0..nodes.len()).rev() {
             if let NodeKind::Interior { second_child, .. } = nodes[i].kind {
                 nodes[i].bounds = nodes[i + 1].bounds.union(&nodes[second_child as usize].bounds);
             }
         }
-        progress.update(count)?;
-        Ok(Self::Block { nodes, height: deepest - depth + 1 })
+        if let Some(config) = rules.merging {
+            block = merge::leaves(&block, config, rules.progress)?;
+        }
+        block.nodes.shrink_to_fit();
+        rules.progress.update(count)?;
+        Ok(Self::Block { block, height: deepest - depth + 1 })
     }
 
     /// A node over `a` and `b`.
@@ -163,12 +210,12 @@ impl Subtree {
 
     pub(crate) fn bounds(&self) -> Bounds3 {
         match self {
-            Self::Block { nodes, .. } => nodes.first().map_or(Bounds3::EMPTY, |root| root.bounds),
+            Self::Block { block, .. } => block.nodes.first().map_or(Bounds3::EMPTY, |root| root.bounds),
             Self::Interior { bounds, .. } => *bounds,
         }
     }
 
-    /// The number of nodes on its longest path.
+    /// No less than the number of nodes on its longest path.
     pub(crate) fn height(&self) -> u32 {
         match self {
             Self::Block { height, .. } | Self::Interior { height, .. } => *height,
@@ -178,15 +225,10 @@ impl Subtree {
     /// How many nodes it has.
     pub(crate) fn node_count(&self) -> usize {
         match self {
-            Self::Block { nodes, .. } => nodes.len(),
+            Self::Block { block, .. } => block.nodes.len(),
             Self::Interior { children, .. } => 1 + children.iter().map(Self::node_count).sum::<usize>(),
         }
     }
-}
-
-/// A leaf.
-pub(crate) fn leaf(bounds: Bounds3, first: usize, count: usize) -> Node {
-    Node { bounds, kind: NodeKind::Leaf { first: first as u32, count: count as u32 } }
 }
 
 /// An interior node whose second child is not known yet.

@@ -1,14 +1,14 @@
 //! The same recursion for sets that fit the caches, by one thread and without a group for each node.
 
-use geometry::{Axis, Bounds3};
+use geometry::Axis;
 
 use super::{Group, cheapest, distribute};
+use crate::Cancelled;
 use crate::prim_info::{Extent, PrimInfo};
 use crate::recursive::{Rules, finish};
 use crate::split::sah::{Limit, Plane};
 use crate::split::{Split, split};
-use crate::subtree::{interior, leaf};
-use crate::{Cancelled, Node, NodeKind};
+use crate::subtree::Block;
 
 /// A part that is still to be split.
 struct Set {
@@ -20,10 +20,10 @@ struct Set {
     extent: Extent,
 }
 
-/// Appends the subtree of `group` to `nodes`, with its root at `depth`; the depth of its deepest node.
+/// Appends the subtree of `group` to `block`, with its root at `depth`; the depth of its deepest node.
 #[inline(never)] // Not on the stack of those who grow large parts.
-pub(super) fn grow(group: &mut Group, depth: u32, nodes: &mut Vec<Node>) -> Result<u32, Cancelled> {
-    let Group { prims, other, order, first, extent, rules } = group;
+pub(super) fn grow(group: &mut Group, depth: u32, block: &mut Block) -> Result<u32, Cancelled> {
+    let Group { prims, other, extent, rules } = group;
     let mut deepest = depth;
     let mut set = Set { begin: 0, end: prims.len(), is_moved: false, depth, extent: *extent };
     // Second children, each with its parent.
@@ -33,21 +33,17 @@ pub(super) fn grow(group: &mut Group, depth: u32, nodes: &mut Vec<Node>) -> Resu
         deepest = deepest.max(depth);
         let (from, to) = if is_moved { (&mut *other, &mut *prims) } else { (&mut *prims, &mut *other) };
         let (from, to) = (&mut from[begin..end], &mut to[begin..end]);
-        match step(from, to, &set, *first, rules, nodes)? {
+        match step(from, to, &set, rules, block)? {
             Outcome::Split { axis, middle, extents: [a, b], is_moved } => {
                 let (middle, depth) = (begin + middle, depth + 1);
-                pending.push((Set { begin: middle, end, is_moved, depth, extent: b }, nodes.len()));
+                pending.push((Set { begin: middle, end, is_moved, depth, extent: b }, block.nodes.len()));
                 set = Set { begin, end: middle, is_moved, depth, extent: a };
-                nodes.push(interior(Bounds3::EMPTY, axis));
+                block.push_interior(axis);
             }
             Outcome::Done(end_depth) => {
                 deepest = deepest.max(end_depth);
-                write_order(&mut order[begin..end], from);
                 let Some((next, parent)) = pending.pop() else { return Ok(deepest) };
-                let second = nodes.len() as u32;
-                if let NodeKind::Interior { second_child, .. } = &mut nodes[parent].kind {
-                    *second_child = second;
-                }
+                block.begin_second_child(parent);
                 set = next;
             }
         }
@@ -67,15 +63,14 @@ fn step(
     from: &mut [PrimInfo],
     to: &mut [PrimInfo],
     set: &Set,
-    first: usize,
     rules: &Rules,
-    nodes: &mut Vec<Node>,
+    block: &mut Block,
 ) -> Result<Outcome, Cancelled> {
-    let Set { begin, is_moved, depth, extent, .. } = set;
+    let Set { is_moved, depth, extent, .. } = set;
     // Asked first: it is what ends most of the recursion.
     let is_leaf = Limit::is_cheap(from.len(), &rules.config);
     if !is_leaf {
-        if let Some(deepest) = finish(from, first + begin, rules, *depth, nodes) {
+        if let Some(deepest) = finish(from, rules, *depth, block) {
             return Ok(Outcome::Done(deepest));
         }
         if let Some(plane) = cheapest(from, extent, rules, *depth)? {
@@ -88,13 +83,6 @@ fn step(
             return Ok(Outcome::Split { axis, middle, extents, is_moved: *is_moved });
         }
     }
-    nodes.push(leaf(extent.bounds.to_bounds(), first + begin, from.len()));
+    block.push_leaf(extent.bounds.to_bounds(), from.iter().map(PrimInfo::index));
     Ok(Outcome::Done(*depth))
-}
-
-/// Writes the indices of `prims`.
-pub(super) fn write_order(order: &mut [u32], prims: &[PrimInfo]) {
-    for (to, p) in order.iter_mut().zip(prims) {
-        *to = p.index();
-    }
 }

@@ -163,18 +163,17 @@ fn all_cells(parts: &[Cells], grid: &CellGrid) -> Result<Vec<Cell>, Cancelled> {
 
 /// The subtree of a group that is divided already.
 pub(super) fn grow(group: Group, Divided { division, regions }: Divided) -> Result<Subtree, Cancelled> {
-    let Group { prims, other, order, first, rules, .. } = group;
-    let mut rest = (prims, other, order, first);
+    let Group { prims, other, rules, .. } = group;
+    let mut rest = (prims, other);
     let groups = regions.into_iter().map(|Region { count, depth, .. }| {
-        let (prims, other, order, first) = std::mem::take(&mut rest);
-        let ((prims, behind), (other, other_behind), (order, order_behind)) =
-            (prims.split_at_mut(count), other.split_at_mut(count), order.split_at_mut(count));
-        rest = (behind, other_behind, order_behind, first + count);
-        (Group { prims, other, order, first, extent: Extent::EMPTY, rules }, depth)
+        let (prims, other) = std::mem::take(&mut rest);
+        let ((prims, behind), (other, other_behind)) = (prims.split_at_mut(count), other.split_at_mut(count));
+        rest = (behind, other_behind);
+        (Group { prims, other, extent: Extent::EMPTY, rules }, depth)
     });
     let subtrees = parallel::map(groups.collect(), |(group, depth)| {
         let extent = Extent::of_many(group.prims, rules.progress)?;
-        Subtree::grow(Group { extent, ..group }, depth, rules.progress)
+        Subtree::grow(Group { extent, ..group }, depth, rules)
     })?;
     Ok(division.assemble(&mut subtrees.into_iter()))
 }
@@ -208,12 +207,10 @@ mod tests {
     fn divided(prims: &[PrimInfo], threads: usize) -> Option<(Vec<PrimInfo>, Vec<usize>)> {
         let work = || {
             let (mut prims, mut other) = (prims.to_vec(), prims.to_vec());
-            let mut order = vec![0; prims.len()];
             let (config, progress) = (BuildConfig::balanced(), ProgressReporter::unobserved());
             let rules = Rules::new(&config, MAX_DEPTH, &progress);
             let extent = Extent::of(&prims);
-            let mut group =
-                Group { prims: &mut prims, other: &mut other, order: &mut order, first: 0, extent, rules: &rules };
+            let mut group = Group { prims: &mut prims, other: &mut other, extent, rules: &rules };
             let Divided { regions, .. } = divide(&mut group, 1).expect("nobody cancels")?;
             Some((group.prims.to_vec(), regions.into_iter().map(|region| region.count).collect()))
         };

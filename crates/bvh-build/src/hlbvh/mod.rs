@@ -16,13 +16,13 @@ use coded::Coded;
 /// How many of a code's bits, from the highest, name the treelet.
 const TREELET_BITS: u32 = 12;
 
-/// The tree over `prims`, of which there is one at least, and whose extent is `extent`; and their indices, by treelets.
+/// The tree over `prims`, of which there is one at least, and whose extent is `extent`.
 pub(crate) fn grow(
     prims: &[PrimInfo],
     extent: &Extent,
     config: &BuildConfig,
     observer: &dyn BuildObserver,
-) -> Result<(Subtree, Vec<u32>), Cancelled> {
+) -> Result<Subtree, Cancelled> {
     let codes = ProgressReporter::observe(observer, Phase::MortonCodes, prims.len(), |progress| {
         let grid = MortonGrid::new(prims, extent, config.morton_bits, progress)?;
         let low_bits = grid.code_bits() - TREELET_BITS;
@@ -61,15 +61,14 @@ fn grow_coded<C: Coded>(
     prims: &[PrimInfo],
     config: &BuildConfig,
     observer: &dyn BuildObserver,
-) -> Result<(Subtree, Vec<u32>), Cancelled> {
+) -> Result<Subtree, Cancelled> {
     let n = prims.len();
     ProgressReporter::observe(observer, Phase::Sort, n, |progress| sort::sort(&mut coded, progress))?;
-    let (treelets, indices) = ProgressReporter::observe(observer, Phase::Treelets, n, |progress| {
+    let treelets = ProgressReporter::observe(observer, Phase::Treelets, n, |progress| {
         treelet::build(&coded, low_bits, prims, config, progress)
     })?;
     drop(coded);
-    let root = ProgressReporter::observe(observer, Phase::UpperTree, treelets.len(), |progress| {
+    ProgressReporter::observe(observer, Phase::UpperTree, treelets.len(), |progress| {
         upper_sah::build(treelets, config, progress)
-    })?;
-    Ok((root, indices))
+    })
 }

@@ -3,15 +3,15 @@
 use super::bins::cheapest_plane;
 use super::cut::Cut;
 use super::{ClippedBounds, SpatialSplits};
+use crate::Cancelled;
 use crate::prim_info::{Extent, PrimInfo};
 use crate::recursive::{Rules, finish};
 use crate::split::{Split, split};
-use crate::subtree::{Part, Step};
-use crate::{Cancelled, Node};
+use crate::subtree::{Block, Part, Step};
 
 /// What holds for a whole recursion.
 pub(crate) struct Setting<'a> {
-    rules: Rules<'a>,
+    rules: &'a Rules<'a>,
     clipped: &'a ClippedBounds<'a>,
     /// The surface area of the children's overlap from which on space is split.
     least_overlap: f64,
@@ -21,7 +21,7 @@ pub(crate) struct Setting<'a> {
 impl<'a> Setting<'a> {
     /// For a tree that takes up `extent`.
     pub(crate) fn new(
-        rules: Rules<'a>,
+        rules: &'a Rules,
         splits: &SpatialSplits,
         clipped: &'a ClippedBounds<'a>,
         extent: &Extent,
@@ -37,8 +37,6 @@ pub(crate) struct Group<'a> {
     /// The references are the first `count`.
     room: &'a mut [PrimInfo],
     count: usize,
-    /// Where the room begins in that of all.
-    first: usize,
     extent: Extent,
     setting: &'a Setting<'a>,
 }
@@ -46,7 +44,7 @@ pub(crate) struct Group<'a> {
 impl<'a> Group<'a> {
     /// All references: the first `count` of `room`, whose extent is `extent`.
     pub(crate) fn new(room: &'a mut [PrimInfo], count: usize, extent: Extent, setting: &'a Setting<'a>) -> Self {
-        Self { room, count, first: 0, extent, setting }
+        Self { room, count, extent, setting }
     }
 
     fn may_be_cut(&self) -> bool {
@@ -75,24 +73,20 @@ impl<'a> Group<'a> {
 }
 
 impl Part for Group<'_> {
-    fn len(&self) -> usize {
-        self.count
-    }
-
-    fn first(&self) -> usize {
-        self.first
+    fn prims(&self) -> &[PrimInfo] {
+        &self.room[..self.count]
     }
 
     /// The depth is limited as for sets of primitives, with the room as the size of a part: a split divides the room
     /// too, and where a node must be halved, the room that is left over is given up.
     fn split(self, depth: u32) -> Result<Step<Self>, Cancelled> {
-        let rules @ Rules { limit, progress, .. } = &self.setting.rules;
+        let rules @ Rules { limit, progress, .. } = self.setting.rules;
         let is_free = limit.allows_any_split(depth, self.room.len());
         let Some(object) = split(&mut self.room[..self.count], &self.extent, rules, is_free)? else {
-            return Ok(Step::Leaf(self.extent.bounds.to_bounds()));
+            return Ok(Step::Leaf(self.extent.bounds.to_bounds(), self));
         };
         let cut = if is_free { self.cheaper_cut(&object)? } else { None };
-        let Self { room, count, first, setting, .. } = self;
+        let Self { room, count, setting, .. } = self;
         let room = if is_free { room } else { &mut room[..count] };
         let counts = cut.as_ref().map_or([object.middle, count - object.middle], Cut::counts);
         let spare = room.len() - counts[0] - counts[1];
@@ -108,15 +102,15 @@ impl Part for Group<'_> {
         };
         Ok(Step::Interior(
             cut.map_or(object.axis, |cut| cut.axis()),
-            Self { room: a, count: counts[0], first, extent: a_extent, setting },
-            Self { room: b, count: counts[1], first: first + second, extent: b_extent, setting },
+            Self { room: a, count: counts[0], extent: a_extent, setting },
+            Self { room: b, count: counts[1], extent: b_extent, setting },
         ))
     }
 
-    fn finish(&mut self, depth: u32, nodes: &mut Vec<Node>) -> Result<Option<u32>, Cancelled> {
+    fn finish(&mut self, depth: u32, block: &mut Block) -> Result<Option<u32>, Cancelled> {
         if self.may_be_cut() {
             return Ok(None);
         }
-        Ok(finish(&mut self.room[..self.count], self.first, &self.setting.rules, depth, nodes))
+        Ok(finish(self.prims(), self.setting.rules, depth, block))
     }
 }

@@ -84,6 +84,11 @@ impl Sorted {
         limit.is_above(best.1.weight).then_some((best.0, best.1.place))
     }
 
+    /// The indices of the primitives from `begin` to `end`.
+    pub(crate) fn indices(&self, prims: &[PrimInfo], begin: usize, end: usize) -> impl Iterator<Item = u32> {
+        self.places[0][begin..end].iter().map(|&place| prims[place as usize].index())
+    }
+
     /// What the primitives from `begin` to `end` take up.
     pub(crate) fn extent(&self, prims: &[PrimInfo], begin: usize, end: usize) -> Extent {
         self.places[0][begin..end].iter().fold(Extent::EMPTY, |extent, &place| extent.with(&prims[place as usize]))
