@@ -137,3 +137,47 @@ fn small_and_far_triangles_are_hit() {
         assert!(wide.intersect_p(&ray, Interval::FULL));
     }
 }
+
+/// A ray that was transformed, and whose origin f32 holds as a denormal number, or as zero: what that lost is more than
+/// a part of the origin. Each box is left right behind the place where it is met.
+#[test]
+fn origins_that_f32_rounds_to_nothing_miss_no_box() {
+    let unit = f64::from(f32::from_bits(1));
+    let mut hits = 0;
+    for axis in 0..3 {
+        for (origin, plane) in [(0.3, 1.0), (0.49, 1.0), (-0.7, 0.0), (-1.4, 0.0), (2.51, 4.0)] {
+            let direction = 2.0_f64.powi(-59);
+            // Where the plane is met.
+            let t = (plane - origin) * unit / direction;
+            let place = |a: f64, b: f64| {
+                let mut v = [(plane * unit) as f32, (t * a) as f32, (t * b) as f32];
+                v.rotate_right(axis);
+                v
+            };
+            // The first one is hit, the others are far from it, so many that they make nodes.
+            let mut positions = vec![place(0.0, 0.0), place(1.002, 1.0), place(1.0, 1.002)];
+            let far = |k: u32| [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]].map(|[x, y]| [x + 100.0 + k as f32, y, 50.0]);
+            positions.extend((0..64).flat_map(far));
+            let triangles: Vec<[u32; 3]> = (0..65).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect();
+            let mesh = Arc::new(TriangleMesh::new(positions, triangles).expect("valid"));
+            let config = BuildConfig::default().with_max_primitives_in_leaf(1);
+            let bvh = MeshBvh::build(Arc::clone(&mesh), &config).expect("valid");
+            let mut o = [origin * unit, 0.0, 0.0];
+            let mut d = [direction, 1.0, 1.0];
+            (o.rotate_right(axis), d.rotate_right(axis));
+            let ray = TraversalRay::from_f64(o.into(), d.into(), 0.0).expect("valid");
+            assert!(ray.is_rounded() && ray.is_regular());
+            let expected = bits(bvh.exact().intersect(&ray, Interval::FULL));
+            hits += usize::from(expected.is_some());
+            for layout in WideLayout::ALL {
+                // Over the very boxes of the triangles, which those of a binary tree are larger than.
+                let wide = WideMesh::build_observed(Arc::clone(&mesh), &config, layout, &()).expect("valid");
+                for width in SimdWidth::available() {
+                    let hit = wide.clone().with_simd_width(width).intersect(&ray, Interval::FULL);
+                    assert_eq!(bits(hit), expected, "{axis} {origin} {} {}", layout.name(), width.name());
+                }
+            }
+        }
+    }
+    assert!(hits >= 9, "{hits}");
+}

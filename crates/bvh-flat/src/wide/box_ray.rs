@@ -11,7 +11,8 @@ use crate::simd::{LANES, Lanes};
 ///
 /// *Regular rays*, nearly all, take plane · r − q in one rounding. With u = 2⁻²⁴, (b − o) / d is the exact parameter of
 /// a plane b; r = (1 ∓ 12u) / d up to 3 roundings, and q = o r moved outward by 2.5u |q| for its own two roundings, or
-/// by 4u |q| where the origin too was rounded, from f64. So plane · r − q, in real numbers, is at most (b − o) / d
+/// by 4u |q| where the origin too was rounded, from f64, and by 2⁻¹²⁶ |r|, which is more than it lost where f32 holds it
+/// as a denormal number. So plane · r − q, in real numbers, is at most (b − o) / d
 /// where the ray enters, if that is not negative, and at least that where it leaves; and rounding is monotone. A ray
 /// that leaves a plane of an axis is by 2.5u of its coordinate beyond it where it has been spawned, and misses a box
 /// without extent that lies there.
@@ -50,8 +51,13 @@ impl<L: Lanes> BoxLanes<L> {
         let from = if REGULAR && L::FUSED {
             let q = L::mul(o, r);
             let outward = L::load(&[-1.0, -1.0, -1.0, -1.0, 1.0, 1.0, 1.0, 1.0]);
-            let padding = if ray.is_rounded() { 2.0 * f32::EPSILON } else { 1.25 * f32::EPSILON };
-            let width = L::mul_add(L::abs(q), L::splat(padding), L::splat(f32::MIN_POSITIVE));
+            let mut padding = 1.25 * f32::EPSILON;
+            let mut least = L::splat(f32::MIN_POSITIVE);
+            if ray.is_rounded() {
+                padding = 2.0 * f32::EPSILON;
+                least = L::mul_add(L::abs(r), least, least);
+            }
+            let width = L::mul_add(L::abs(q), L::splat(padding), least);
             L::to_array(L::mul_sub(width, outward, q))
         } else if ray.is_rounded() {
             let sign = Vec4::ONE.copysign(ray.direction_and_one());
