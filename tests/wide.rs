@@ -164,7 +164,8 @@ fn origins_that_f32_rounds_to_nothing_miss_no_box() {
             let bvh = MeshBvh::build(Arc::clone(&mesh), &config).expect("valid");
             let mut o = [origin * unit, 0.0, 0.0];
             let mut d = [direction, 1.0, 1.0];
-            (o.rotate_right(axis), d.rotate_right(axis));
+            o.rotate_right(axis);
+            d.rotate_right(axis);
             let ray = TraversalRay::from_f64(o.into(), d.into(), 0.0).expect("valid");
             assert!(ray.is_rounded() && ray.is_regular());
             let expected = bits(bvh.exact().intersect(&ray, Interval::FULL));

@@ -15,6 +15,9 @@ use crate::input::SEED;
 pub struct Truth {
     pub sets: Vec<JudgedSet>,
     pub leak_tests: Vec<LeakTest>,
+    /// Whether the scene is a mesh that is not instanced, of which exact kernels answer everything as real arithmetic
+    /// does. (Between meshes rounded t are compared, and spheres are decided about in f64.)
+    pub is_of_one_mesh: bool,
 }
 
 /// A set of rays with its exact answers.
@@ -64,7 +67,9 @@ impl Truth {
             let chosen: Vec<&SceneRay> = rays.iter().step_by(step).collect();
             JudgedSet { kind: kind.to_owned(), rays: chosen.into_par_iter().map(judged).collect() }
         });
-        Some(Self { sets: sets.collect(), leak_tests: leak_tests(compiled, count) })
+        let is_of_one_mesh = matches!(scene.geometries(), [only] if matches!(only.shape, SceneShape::Mesh(_)))
+            && scene.objects().len() == 1;
+        Some(Self { sets: sets.collect(), leak_tests: leak_tests(compiled, count), is_of_one_mesh })
     }
 }
 

@@ -133,7 +133,11 @@ fn trace_answers(
         workshop.pool.install(|| {
             let judged: Vec<Errors> = truth.sets.iter().map(|set| Errors::of(&*subject.world, set)).collect();
             for (set, errors) in sets.iter_mut().zip(&judged) {
-                set.errors = Some(ErrorSummary::of(errors));
+                let summary = ErrorSummary::of(errors);
+                if is_exact && truth.is_of_one_mesh {
+                    set.broken_decisions = summary.wrong_answers();
+                }
+                set.errors = Some(summary);
             }
             errors = Some(ErrorSummary::of(&judged.into_iter().sum()));
             let counts = errors::leaks(&subject.meshes, &truth.leak_tests);
@@ -228,6 +232,7 @@ fn no_answers(name: &str) -> SetAnswers {
         any_tests: 0,
         hash: String::new(),
         disagreements: 0,
+        broken_decisions: 0,
         errors: None,
     }
 }

@@ -142,6 +142,8 @@ pub struct SetAnswers {
     pub hash: String,
     /// Rays for which any-hit and closest-hit, or calls for one ray and for many, do not agree.
     pub disagreements: u64,
+    /// Wrong answers where there are to be none: of exact decisions about a single mesh.
+    pub broken_decisions: u64,
     /// Beside the oracle; `None` where it was not asked.
     pub errors: Option<ErrorSummary>,
 }

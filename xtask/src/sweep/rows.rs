@@ -165,6 +165,9 @@ impl<'a> Sweep<'a> {
                 if mismatches > 0 {
                     bail!("{scene}: {what}: closest-hit, any-hit and all hits disagree on {mismatches} {name} rays");
                 }
+                if set.broken_decisions > 0 {
+                    bail!("{scene}: {what}: {} answers to {name} rays are not the exact ones", set.broken_decisions);
+                }
                 let violations = set.errors.as_ref().map_or(0, |e| e.bound_violations);
                 if violations > 0 {
                     bail!("{scene}: {what}: {violations} {name} hits lie outside of their error bound");

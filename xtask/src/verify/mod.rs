@@ -154,6 +154,9 @@ fn verify_scene(arguments: &Arguments, source: &SceneSource) -> Result<()> {
     for set in &truth.sets {
         let e = Errors::of(&*subject.world, set);
         faults += e.bound_violations + e.mismatches;
+        if truth.is_of_one_mesh {
+            faults += e.missed + e.false_hits + e.wrong;
+        }
         let ulp = |q: f64| if e.t_ulps.is_empty() { "-".to_owned() } else { format!("{:.2}", quantile(&e.t_ulps, q)) };
         rows.add_row([
             set.kind.clone(),
@@ -179,7 +182,7 @@ fn verify_scene(arguments: &Arguments, source: &SceneSource) -> Result<()> {
     }
     ensure!(
         faults == 0,
-        "{}: {faults} leaks, broken bounds or disagreements of any-hit and closest-hit",
+        "{}: {faults} wrong answers, leaks, broken bounds or disagreements of any-hit and closest-hit",
         source.name()
     );
     Ok(())

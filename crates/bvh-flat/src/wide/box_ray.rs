@@ -12,10 +12,9 @@ use crate::simd::{LANES, Lanes};
 /// *Regular rays*, nearly all, take plane · r − q in one rounding. With u = 2⁻²⁴, (b − o) / d is the exact parameter of
 /// a plane b; r = (1 ∓ 12u) / d up to 3 roundings, and q = o r moved outward by 2.5u |q| for its own two roundings, or
 /// by 4u |q| where the origin too was rounded, from f64, and by 2⁻¹²⁶ |r|, which is more than it lost where f32 holds it
-/// as a denormal number. So plane · r − q, in real numbers, is at most (b − o) / d
-/// where the ray enters, if that is not negative, and at least that where it leaves; and rounding is monotone. A ray
-/// that leaves a plane of an axis is by 2.5u of its coordinate beyond it where it has been spawned, and misses a box
-/// without extent that lies there.
+/// as a denormal number. So plane · r − q, in real numbers, is at most (b − o) / d where the ray enters, if that is not
+/// negative, and at least that where it leaves; and rounding is monotone. A ray that leaves a plane of an axis is by
+/// 2.5u of its coordinate beyond it where it has been spawned, and misses a box without extent that lies there.
 ///
 /// *The others* take (plane − o) · r. A plane that gives NaN, 0 · ∞, has the origin in it and a ray along it, and does
 /// not bound the ray. The reciprocal for entering stays finite, so that it never claims too late an entry. An origin

@@ -69,7 +69,7 @@ impl Closed {
         Self::new(run, mesh, count, depth, || random.point_in(bounds))
     }
 
-    /// A trial: a ray from within meets the surface. One in 64 is judged in full.
+    /// A trial: a ray from within meets the surface. Two in 64 are judged in full.
     pub(super) fn try_from_inside(&self, aim: Aim, i: usize, random: &mut Random, findings: &mut Findings) {
         let origin = self.inner[random.below(self.inner.len())];
         let direction = match aim {
