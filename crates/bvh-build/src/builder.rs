@@ -28,6 +28,9 @@ pub fn build(bounds: &[Bounds3], config: &BuildConfig) -> Result<Tree, BuildErro
 /// feature `parallel`. Time is linear in n for each level of the tree. Space is not split, whatever the configuration
 /// says: a box does not tell the parts of what is in it.
 ///
+/// The calling thread needs a stack of 64 KiB. The threads of a rayon pool need 512 KiB, which is less than they have by
+/// default: while one waits for a half of a node it works on others, on the same stack.
+///
 /// # Errors
 /// [`BuildError::InvalidConfig`], [`BuildError::TooManyPrimitives`] beyond 2³¹ bounds, and [`BuildError::Cancelled`]
 /// where the observer wants it.
