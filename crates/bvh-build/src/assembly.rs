@@ -5,12 +5,9 @@ use std::mem::take;
 use crate::subtree::{Block, Subtree, interior};
 use crate::{Cancelled, Node, NodeKind, ProgressReporter, parallel};
 
-/// The nodes and the order of a tree.
-pub(crate) type Parts = (Vec<Node>, Vec<u32>);
-
 impl Subtree {
-    /// All nodes in depth-first order without gaps, and the primitives in the order of the leaves.
-    pub(crate) fn assemble(self, progress: &ProgressReporter) -> Result<Parts, Cancelled> {
+    /// The same in one piece.
+    pub(crate) fn assemble(self, progress: &ProgressReporter) -> Result<Block, Cancelled> {
         let mut assembly = Assembly::default();
         assembly.append(self);
         let Assembly { mut pieces, node_count, place_count } = assembly;
@@ -47,7 +44,7 @@ impl Subtree {
                 }
             }
         }
-        Ok((nodes, order))
+        Ok(Block { nodes, order })
     }
 }
 

@@ -10,6 +10,8 @@
 mod block;
 mod cells;
 
+pub(crate) use cells::LEAST_DIVIDED;
+
 use geometry::Axis;
 use geometry::glam::Vec3A;
 

@@ -2,13 +2,12 @@
 
 use geometry::Bounds3;
 
-use crate::assembly::Parts;
 use crate::depth::{MAX_DEPTH, MAX_PRIMITIVES};
 use crate::prim_info::ActivePrims;
 use crate::recursive::{Group, Rules};
 use crate::subtree::{Block, Subtree};
 use crate::{
-    BuildConfig, BuildError, BuildObserver, Cancelled, ClippedBounds, Node, Phase, ProgressReporter, SpatialSplits,
+    BuildConfig, BuildError, BuildObserver, Cancelled, ClippedBounds, Phase, ProgressReporter, SpatialSplits,
     SplitMethod, Tree, TreeStatistics, binned, hlbvh, merge, reinsertion, spatial, tiny,
 };
 
@@ -79,11 +78,11 @@ fn build_clipped(
     let is_merged = config.reinsertion.is_some_and(|options| options.merged_leaves);
     let growth = if is_merged { config.with_max_primitives_in_leaf(1) } else { *config };
     let may_merge = is_merged && config.max_primitives_in_leaf > 1;
-    // Block by block, so that there is never room for all small ones. No leaf of so few reaches beyond a block: above
-    // them are nodes of more, but where a few codes make a treelet.
-    let is_within_blocks = config.split_method != SplitMethod::Hlbvh && config.max_primitives_in_leaf <= 256;
+    // Block by block, so that there is never room for all small ones.
+    let is_within_blocks =
+        config.split_method != SplitMethod::Hlbvh && config.max_primitives_in_leaf <= merge::MOST_WITHIN_BLOCKS;
     let merging = (may_merge && is_within_blocks).then_some(config);
-    let (mut nodes, mut order) = match splits {
+    let mut tree = match splits {
         Some((splits, clipped)) if active_count > 0 => {
             active.room.truncate(active_count + splits.room(active_count));
             let of_tiny = |index: u32, to: &Bounds3| tiny::clipped(clipped, index, to);
@@ -93,20 +92,20 @@ fn build_clipped(
         _ => grow(active, &growth, merging, observer)?,
     };
     if let Some(options) = &config.reinsertion {
-        let most = reinsertion::rated_slots(nodes.len(), options);
-        (nodes, order) = ProgressReporter::observe(observer, Phase::Reinsertion, most, |progress| {
+        let most = reinsertion::rated_slots(tree.nodes.len(), options);
+        tree = ProgressReporter::observe(observer, Phase::Reinsertion, most, |progress| {
             // Before and not after: the trees cost the same, and a third of the build's time is saved.
             if may_merge && merging.is_none() {
-                Block { nodes, order } = merge::leaves(&Block { nodes, order }, config, progress)?;
-                progress.update(most - reinsertion::rated_slots(nodes.len(), options))?;
+                tree = merge::leaves(&tree, config, progress)?;
+                progress.update(most - reinsertion::rated_slots(tree.nodes.len(), options))?;
             }
-            reinsertion::optimize(nodes, order, options, observer, progress)
+            reinsertion::optimize(tree, options, observer, progress)
         })?;
     }
     if is_tiny {
-        tiny::scale_back(&mut nodes);
+        tiny::scale_back(&mut tree.nodes);
     }
-    Ok(finish(nodes, order, [active_count, count], config, observer)?)
+    Ok(finish(tree, [active_count, count], config, observer)?)
 }
 
 impl Tree {
@@ -126,11 +125,11 @@ impl Tree {
         let (nodes, order) = self.into_parts();
         let options = config.reinsertion.unwrap_or_default();
         let most = reinsertion::rated_slots(nodes.len(), &options);
-        let (nodes, order) = ProgressReporter::observe(observer, Phase::Reinsertion, most, |progress| {
-            reinsertion::optimize(nodes, order, &options, observer, progress)
+        let tree = ProgressReporter::observe(observer, Phase::Reinsertion, most, |progress| {
+            reinsertion::optimize(Block { nodes, order }, &options, observer, progress)
         })?;
         let counts = [active_count, active_count + inactive_count].map(|count| count as usize);
-        Ok(finish(nodes, order, counts, config, observer)?)
+        Ok(finish(tree, counts, config, observer)?)
     }
 }
 
@@ -140,11 +139,11 @@ fn grow(
     config: &BuildConfig,
     merging: Option<&BuildConfig>,
     observer: &dyn BuildObserver,
-) -> Result<Parts, Cancelled> {
+) -> Result<Block, Cancelled> {
     let extent = active.extent;
     let prims = active.prims();
     if prims.is_empty() {
-        return Ok((Vec::new(), Vec::new()));
+        return Ok(Block::default());
     }
     let root = if config.split_method == SplitMethod::Hlbvh {
         hlbvh::grow(prims, &extent, config, observer)?
@@ -169,7 +168,7 @@ fn grow_split(
     config: &BuildConfig,
     merging: Option<&BuildConfig>,
     observer: &dyn BuildObserver,
-) -> Result<Parts, Cancelled> {
+) -> Result<Block, Cancelled> {
     let ActivePrims { mut room, count, extent } = active;
     let root = recursion(observer, room.len(), |progress| {
         let rules = Rules { merging, ..Rules::new(config, MAX_DEPTH, progress) };
@@ -180,7 +179,7 @@ fn grow_split(
     assemble(root, observer)
 }
 
-fn assemble(root: Subtree, observer: &dyn BuildObserver) -> Result<Parts, Cancelled> {
+fn assemble(root: Subtree, observer: &dyn BuildObserver) -> Result<Block, Cancelled> {
     ProgressReporter::observe(observer, Phase::Assembly, root.node_count(), |progress| root.assemble(progress))
 }
 
@@ -192,11 +191,9 @@ fn recursion<T>(
     ProgressReporter::observe(observer, Phase::Recursion, count, grow)
 }
 
-/// The tree of `nodes` with its statistics, as the observer is told; `counts` are those of active primitives and of
-/// all.
+/// `tree` with its statistics, as the observer is told; `counts` are those of active primitives and of all.
 fn finish(
-    nodes: Vec<Node>,
-    order: Vec<u32>,
+    Block { nodes, order }: Block,
     counts: [usize; 2],
     config: &BuildConfig,
     observer: &dyn BuildObserver,

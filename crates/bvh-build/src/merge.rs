@@ -1,7 +1,15 @@
 //! Leaves of several primitives, where these cost less than a subtree.
 
-use crate::subtree::Block;
+use crate::binned::LEAST_DIVIDED;
+use crate::subtree::{Block, SEQUENTIAL};
 use crate::{BuildConfig, Cancelled, Node, NodeKind, ProgressReporter};
+
+/// Up to so many primitives no leaf reaches beyond a block, but in [`SplitMethod::Hlbvh`](crate::SplitMethod), where a
+/// few codes make a treelet: above blocks are nodes of more.
+pub(crate) const MOST_WITHIN_BLOCKS: u32 = 256;
+
+const _: () = assert!((MOST_WITHIN_BLOCKS as usize) < SEQUENTIAL);
+const _: () = assert!((MOST_WITHIN_BLOCKS as usize) < LEAST_DIVIDED);
 
 /// The tree with each subtree made a leaf whose primitives are cheaper to test at once, and fit a leaf: the largest such
 /// subtrees, of equal costs the leaf. Costs are those of the surface area heuristic.
@@ -95,13 +103,18 @@ mod tests {
         }
     }
 
-    #[test]
-    fn the_leaves_are_those_of_least_cost() {
-        let mut state = 1_u64;
-        let mut random = || {
+    /// Numbers in [0, 1).
+    fn random(seed: u64) -> impl FnMut() -> f32 {
+        let mut state = seed;
+        move || {
             state = state.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(1);
             (state >> 40) as f32 / (1 << 24) as f32
-        };
+        }
+    }
+
+    #[test]
+    fn the_leaves_are_those_of_least_cost() {
+        let mut random = random(1);
         let (mut merged, progress) = (0, ProgressReporter::unobserved());
         for n in [0, 1, 2, 3, 10, 500] {
             let mut point = || Vec3::new(random(), random(), random());
@@ -133,11 +146,7 @@ mod tests {
     /// Where the builder merges them block by block.
     #[test]
     fn leaves_of_blocks_are_those_of_the_whole() {
-        let mut state = 3_u64;
-        let mut random = || {
-            state = state.wrapping_mul(0x5851_f42d_4c95_7f2d).wrapping_add(1);
-            (state >> 40) as f32 / (1 << 24) as f32
-        };
+        let mut random = random(3);
         let mut point = |scale: f32| scale * Vec3::new(random(), random(), random());
         let bounds: Vec<_> = (0..9_000)
             .map(|_| {

@@ -5,7 +5,7 @@ use geometry::{Axis, Bounds3};
 use crate::parallel::join;
 use crate::prim_info::PrimInfo;
 use crate::recursive::Rules;
-use crate::{Cancelled, Node, NodeKind, merge};
+use crate::{Cancelled, Node, NodeKind, ProgressReporter, merge};
 
 /// Up to this many primitives a subtree is grown by one thread into one block of nodes.
 pub(crate) const SEQUENTIAL: usize = 2048;
@@ -59,16 +59,17 @@ impl Block {
         let order = &mut self.order;
         let first = order.len();
         order.extend(indices);
-        if order.len() > first + 1 {
-            // By index: since no split depends on the order of its primitives, nothing in the tree does.
-            order[first..].sort_unstable();
-            if order[first..].windows(2).any(|pair| pair[0] == pair[1]) {
-                let mut own = order.split_off(first);
-                own.dedup();
-                order.extend(own);
+        // By index: since no split depends on the order of its primitives, nothing in the tree does.
+        order[first..].sort_unstable();
+        let mut end = first;
+        for i in first..order.len() {
+            if i == first || order[i] != order[end - 1] {
+                order[end] = order[i];
+                end += 1;
             }
         }
-        let kind = NodeKind::Leaf { first: first as u32, count: (order.len() - first) as u32 };
+        order.truncate(end);
+        let kind = NodeKind::Leaf { first: first as u32, count: (end - first) as u32 };
         self.nodes.push(Node { bounds, kind });
     }
 
@@ -83,6 +84,19 @@ impl Block {
         if let NodeKind::Interior { second_child, .. } = &mut self.nodes[parent].kind {
             *second_child = next;
         }
+    }
+
+    /// Gives each interior node the bounds of its children.
+    pub(crate) fn enclose(&mut self, progress: &ProgressReporter) -> Result<(), Cancelled> {
+        // Children lie behind their parents, so from the back every child is ready before its parent.
+        let nodes = &mut self.nodes;
+        for i in (0..nodes.len()).rev() {
+            progress.check_step(i)?;
+            if let NodeKind::Interior { second_child, .. } = nodes[i].kind {
+                nodes[i].bounds = nodes[i + 1].bounds.union(&nodes[second_child as usize].bounds);
+            }
+        }
+        Ok(())
     }
 }
 
@@ -186,13 +200,7 @@ impl Subtree {
                 }
             }
         }
-        // Children lie behind their parents, so from the back every child is ready before its parent.
-        let nodes = &mut block.nodes;
-        for i in (0..nodes.len()).rev() {
-            if let NodeKind::Interior { second_child, .. } = nodes[i].kind {
-                nodes[i].bounds = nodes[i + 1].bounds.union(&nodes[second_child as usize].bounds);
-            }
-        }
+        block.enclose(rules.progress)?;
         if let Some(config) = rules.merging {
             block = merge::leaves(&block, config, rules.progress)?;
         }

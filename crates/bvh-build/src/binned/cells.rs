@@ -15,7 +15,8 @@ use crate::recursive::Rules;
 use crate::split::sah::Grid;
 use crate::subtree::Subtree;
 use crate::{Cancelled, ProgressReporter};
-use division::{Cell, Division, LEAST_DIVIDED, MAX_SIDE, Region};
+pub(crate) use division::LEAST_DIVIDED;
+use division::{Cell, Division, MAX_SIDE, Region};
 
 /// Sets of fewer primitives are not worth it.
 pub(super) const LEAST: usize = 1 << 11;

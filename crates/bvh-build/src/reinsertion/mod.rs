@@ -28,33 +28,34 @@ mod search;
 mod tests;
 mod topology;
 
+use crate::subtree::Block;
 use crate::{BuildObserver, Cancelled, Node, NodeKind, ProgressReporter};
 use block::Mover;
 use topology::{ROOT, Topology};
 
 pub use options::{Reinsertion, ReinsertionProgress};
 
-/// `nodes` and `order` after reinsertion by `options`. Leaves stay as they are. Areas of interior nodes never add up to
-/// more than before.
+/// `tree` after reinsertion by `options`. Leaves stay as they are. Areas of interior nodes never add up to more than
+/// before.
 pub(crate) fn optimize(
-    nodes: Vec<Node>,
-    order: Vec<u32>,
+    tree: Block,
     options: &Reinsertion,
     observer: &dyn BuildObserver,
     progress: &ProgressReporter,
-) -> Result<(Vec<Node>, Vec<u32>), Cancelled> {
+) -> Result<Block, Cancelled> {
+    let nodes = &tree.nodes;
     let root_area = nodes.first().map_or(0.0, |root| root.bounds.surface_area());
     if root_area == 0.0 || nodes.len() < 4 {
-        return Ok((nodes, order));
+        return Ok(tree);
     }
-    let mut mover = Mover::new(Topology::new(&nodes, progress)?);
+    let mut mover = Mover::new(Topology::new(nodes, progress)?);
     run(&mut mover, options, observer, progress)?;
     if mover.moved() == 0 {
-        return Ok((nodes, order));
+        return Ok(tree);
     }
-    let optimized = emit::emit(mover.topology(), &nodes, &order, progress)?;
+    let optimized = emit::emit(mover.topology(), &tree, progress)?;
     // Moves gain more than rounding loses, but for sums of very many.
-    Ok(if interior_area(&optimized.0) < interior_area(&nodes) { optimized } else { (nodes, order) })
+    Ok(if interior_area(&optimized.nodes) < interior_area(nodes) { optimized } else { tree })
 }
 
 /// How many slots all passes rate in a tree of so many nodes.

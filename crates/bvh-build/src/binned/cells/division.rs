@@ -12,7 +12,7 @@ use crate::subtree::Subtree;
 pub(super) const MAX_SIDE: usize = 64;
 
 /// Sets of fewer primitives are not worth it.
-pub(super) const LEAST_DIVIDED: usize = 1 << 9;
+pub(crate) const LEAST_DIVIDED: usize = 1 << 9;
 
 /// A cell with primitives.
 #[derive(Clone, Copy)]
