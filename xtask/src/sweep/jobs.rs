@@ -133,11 +133,7 @@ fn trace_answers(
         workshop.pool.install(|| {
             let judged: Vec<Errors> = truth.sets.iter().map(|set| Errors::of(&*subject.world, set)).collect();
             for (set, errors) in sets.iter_mut().zip(&judged) {
-                let summary = ErrorSummary::of(errors);
-                if is_exact && truth.is_of_one_mesh {
-                    set.broken_decisions = summary.wrong_answers();
-                }
-                set.errors = Some(summary);
+                set.errors = Some(ErrorSummary::of(errors));
             }
             errors = Some(ErrorSummary::of(&judged.into_iter().sum()));
             let counts = errors::leaks(&subject.meshes, &truth.leak_tests);
@@ -148,6 +144,7 @@ fn trace_answers(
         instanced_primitives: subject.world.primitive_count(),
         trees: built.figures.clone(),
         sets,
+        is_decidable: workshop.truth().is_some_and(|truth| truth.is_of_one_mesh),
         errors,
         leaks,
     })
@@ -232,7 +229,6 @@ fn no_answers(name: &str) -> SetAnswers {
         any_tests: 0,
         hash: String::new(),
         disagreements: 0,
-        broken_decisions: 0,
         errors: None,
     }
 }

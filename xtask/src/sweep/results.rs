@@ -90,6 +90,8 @@ pub struct TraceAnswers {
     pub instanced_primitives: u64,
     pub trees: TreeFigures,
     pub sets: Vec<SetAnswers>,
+    /// Whether the oracle was asked about a scene of which exact kernels answer everything as it does.
+    pub is_decidable: bool,
     /// Of all sets together; `None` where the oracle was not asked.
     pub errors: Option<ErrorSummary>,
     /// Rays aimed at where meshes leak: at what, how many got through, how many they were.
@@ -142,8 +144,6 @@ pub struct SetAnswers {
     pub hash: String,
     /// Rays for which any-hit and closest-hit, or calls for one ray and for many, do not agree.
     pub disagreements: u64,
-    /// Wrong answers where there are to be none: of exact decisions about a single mesh.
-    pub broken_decisions: u64,
     /// Beside the oracle; `None` where it was not asked.
     pub errors: Option<ErrorSummary>,
 }

@@ -13,7 +13,7 @@ use hard_cases::{Case, Effort, Library, OPEN, Outcome, Run, cases};
 use indicatif::{ProgressBar, ProgressStyle};
 use scene::RaySets;
 
-use crate::errors::{Errors, Truth, leaks, per_million, quantile};
+use crate::errors::{ErrorSummary, Errors, Truth, leaks, per_million, quantile};
 use crate::input::{self, SCENE_HELP, SEED, SceneSource, SplitMethodName};
 use crate::measure::timed;
 use crate::sweep::subject::Subject;
@@ -155,7 +155,7 @@ fn verify_scene(arguments: &Arguments, source: &SceneSource) -> Result<()> {
         let e = Errors::of(&*subject.world, set);
         faults += e.bound_violations + e.mismatches;
         if truth.is_of_one_mesh {
-            faults += e.missed + e.false_hits + e.wrong;
+            faults += ErrorSummary::of(&e).wrong_answers();
         }
         let ulp = |q: f64| if e.t_ulps.is_empty() { "-".to_owned() } else { format!("{:.2}", quantile(&e.t_ulps, q)) };
         rows.add_row([
