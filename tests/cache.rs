@@ -54,7 +54,7 @@ fn golden_files_load_and_are_what_is_written_today() {
 
 #[test]
 fn trees_of_an_older_builder_are_told_from_those_of_today() {
-    for builder in 1..=5 {
+    for builder in 1..=6 {
         for (layout, name) in WideLayout::ALL.map(|layout| (TreeLayout::Wide(layout), layout.name())) {
             let path = golden(&format!("v1-builder-{builder}-{name}.bvh"));
             let options = TreeOptions::new(&BuildConfig::default(), layout);
@@ -71,7 +71,7 @@ fn a_file_says_what_is_in_it() {
     let info = CacheInfo::read(&path).expect("a good file");
     assert_eq!(info.options().layout(), TreeLayout::Wide(WideLayout::Blocks));
     assert_eq!((info.primitive_count(), info.reference_count()), (129, 129));
-    assert!(info.options().description().starts_with("builder 6: sah, leaves of at most 4,"));
+    assert!(info.options().description().starts_with("builder 7: sah, leaves of at most 4,"));
     assert_eq!(info.geometry(), GeometryKey::of_mesh(&mesh()));
     assert_eq!(info.file_length(), std::fs::metadata(&path).expect("there").len());
     assert_eq!(info.bounds(), Bounds3::from_points(mesh().positions().iter().copied()));

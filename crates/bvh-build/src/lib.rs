@@ -91,7 +91,7 @@ mod tree;
 
 /// The version of the builder: another one makes other trees of the same triangles and the same configuration. To be
 /// raised with every change that does, so that trees which are kept in files are told from new ones.
-pub const BUILDER_VERSION: u32 = 6;
+pub const BUILDER_VERSION: u32 = 7;
 
 pub use builder::{build, build_observed, build_split};
 pub use config::{BuildConfig, MortonBits, SplitAxes, SplitMethod};

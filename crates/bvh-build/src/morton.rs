@@ -30,9 +30,9 @@ impl MortonGrid {
     ) -> Result<Self, Cancelled> {
         let bits_per_axis = match bits {
             MortonBits::Bits30 => 10,
+            MortonBits::Bits42 => 14,
             MortonBits::Bits63 => 21,
-            MortonBits::Auto if is_finer_than_30_bits(prims, extent, progress)? => 21,
-            MortonBits::Auto => 10,
+            MortonBits::Auto => bits_for_detail(prims, extent, progress)?,
         };
         let Bounds3A { min: low, max: high } = extent.centroids2;
         let cells = (1_u32 << bits_per_axis) as f32;
@@ -60,15 +60,24 @@ pub(crate) fn axis_of_bit(bit: u32) -> Axis {
     Axis::ALL[bit as usize % 3]
 }
 
-/// Whether more than half of all primitives are smaller than a cell of the 30-bit grid; see [`MortonBits::Auto`].
+/// How many bits for each axis [`MortonBits::Auto`] stands for: the fewest of which no more than half of all primitives
+/// are smaller than a cell.
 ///
 /// (Of all, though it is a pass over memory: with every hundredth the answer would depend on the order of primitives.)
-fn is_finer_than_30_bits(prims: &[PrimInfo], extent: &Extent, progress: &ProgressReporter) -> Result<bool, Cancelled> {
+fn bits_for_detail(prims: &[PrimInfo], extent: &Extent, progress: &ProgressReporter) -> Result<u32, Cancelled> {
+    const BITS: [u32; 2] = [10, 14];
     // The centroids' bounds are doubled.
-    let cell = 0.5 * extent.centroids2.diagonal().max_element() / 1024.0;
-    let is_finer = |p: &&PrimInfo| p.bounds().diagonal().max_element() < cell;
-    let count = |part: &[PrimInfo]| part.iter().filter(is_finer).count();
-    Ok(2 * parallel::fold(prims, progress, &count, &|a, b| a + b)? > prims.len())
+    let extent = 0.5 * extent.centroids2.diagonal().max_element();
+    let cells = BITS.map(|bits| extent / (1_u32 << bits) as f32);
+    let count = |part: &[PrimInfo]| {
+        part.iter().fold([0, 0], |counts, p| {
+            let size = p.bounds().diagonal().max_element();
+            [0, 1].map(|i| counts[i] + usize::from(size < cells[i]))
+        })
+    };
+    let finer = parallel::fold(prims, progress, &count, &|a, b| [a[0] + b[0], a[1] + b[1]])?;
+    let is_enough = |&(_, finer): &(u32, usize)| 2 * finer <= prims.len();
+    Ok(BITS.into_iter().zip(finer).find(is_enough).map_or(21, |(bits, _)| bits))
 }
 
 /// The low 21 bits of x, y and z in turn: bit i of x is bit 3i, of y bit 3i + 1, of z bit 3i + 2.
@@ -139,7 +148,7 @@ mod tests {
             for flat in 0..8_usize {
                 let high = Vec3::from_array([0, 1, 2].map(|a| if flat >> a & 1 == 1 { 0.0 } else { scale }));
                 let (prims, extent) = points(&[Vec3::ZERO, high]);
-                for (bits, count) in [(MortonBits::Bits30, 30), (MortonBits::Bits63, 63)] {
+                for (bits, count) in [(MortonBits::Bits30, 30), (MortonBits::Bits42, 42), (MortonBits::Bits63, 63)] {
                     let grid = grid(&prims, &extent, bits);
                     assert_eq!(grid.code_bits(), count);
                     let last = (1_u64 << (count / 3)) - 1;
@@ -180,11 +189,13 @@ mod tests {
         };
         let bits = |prims: &[PrimInfo]| grid(prims, &Extent::of(prims), MortonBits::Auto).code_bits();
         assert_eq!(bits(&boxes(1.1)), 30);
-        assert_eq!(bits(&boxes(0.9)), 63);
+        assert_eq!(bits(&boxes(0.9)), 42);
+        assert_eq!(bits(&boxes(1.1 / 16.0)), 42);
+        assert_eq!(bits(&boxes(0.9 / 16.0)), 63);
         // A few large ones among many small do not matter.
         let mut mixed = boxes(0.9);
         mixed.truncate(60);
         mixed.extend(boxes(1.1).drain(60..));
-        assert_eq!(bits(&mixed), 63);
+        assert_eq!(bits(&mixed), 42);
     }
 }

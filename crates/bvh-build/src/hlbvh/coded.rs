@@ -2,12 +2,15 @@
 
 use std::fmt::Debug;
 
-use bytemuck::Pod;
+use bytemuck::{Pod, Zeroable};
 
 /// A code, and behind it the number of what has it: of equal codes the smaller number comes first.
 pub(super) trait Coded: Pod + Debug + Ord + Send + Sync {
     /// How many bits a code may have.
     const CODE_BITS: u32;
+
+    /// How many numbers there may be, from 0 on.
+    const MAX_COUNT: usize;
 
     fn new(code: u64, number: u32) -> Self;
 
@@ -16,24 +19,31 @@ pub(super) trait Coded: Pod + Debug + Ord + Send + Sync {
     fn number(self) -> u32;
 }
 
-impl Coded for u64 {
-    const CODE_BITS: u32 = 32;
+/// A code above a number of so many bits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Pod, Zeroable)]
+#[repr(transparent)]
+pub(super) struct Packed<const NUMBER_BITS: u32>(u64);
+
+impl<const NUMBER_BITS: u32> Coded for Packed<NUMBER_BITS> {
+    const CODE_BITS: u32 = u64::BITS - NUMBER_BITS;
+    const MAX_COUNT: usize = 1 << NUMBER_BITS;
 
     fn new(code: u64, number: u32) -> Self {
-        code << 32 | Self::from(number)
+        Self(code << NUMBER_BITS | u64::from(number))
     }
 
     fn code(self) -> u64 {
-        self >> 32
+        self.0 >> NUMBER_BITS
     }
 
     fn number(self) -> u32 {
-        self as u32
+        (self.0 & ((1 << NUMBER_BITS) - 1)) as u32
     }
 }
 
 impl Coded for u128 {
     const CODE_BITS: u32 = 64;
+    const MAX_COUNT: usize = 1 << u32::BITS;
 
     fn new(code: u64, number: u32) -> Self {
         Self::from(code) << 32 | Self::from(number)

@@ -11,7 +11,7 @@ use crate::prim_info::{Extent, PrimInfo};
 use crate::room::Room;
 use crate::subtree::Subtree;
 use crate::{BuildConfig, BuildObserver, Cancelled, Phase, ProgressReporter};
-use coded::Coded;
+use coded::{Coded, Packed};
 
 /// How many of a code's bits, from the highest, name the treelet.
 const TREELET_BITS: u32 = 12;
@@ -26,22 +26,37 @@ pub(crate) fn grow(
     let codes = ProgressReporter::observe(observer, Phase::MortonCodes, prims.len(), |progress| {
         let grid = MortonGrid::new(prims, extent, config.morton_bits, progress)?;
         let low_bits = grid.code_bits() - TREELET_BITS;
-        Ok(if grid.code_bits() <= <u64 as Coded>::CODE_BITS {
+        Ok(if fits::<Short>(&grid, prims) {
             Codes::Short(coded(prims, &grid, progress)?, low_bits)
+        } else if fits::<Middle>(&grid, prims) {
+            Codes::Middle(coded(prims, &grid, progress)?, low_bits)
         } else {
             Codes::Long(coded(prims, &grid, progress)?, low_bits)
         })
     })?;
     match codes {
         Codes::Short(coded, low_bits) => grow_coded(coded, low_bits, prims, config, observer),
+        Codes::Middle(coded, low_bits) => grow_coded(coded, low_bits, prims, config, observer),
         Codes::Long(coded, low_bits) => grow_coded(coded, low_bits, prims, config, observer),
     }
 }
 
+/// Codes of 32 bits, of as many primitives as there may be.
+type Short = Packed<32>;
+
+/// Codes of 42 bits, of up to four million primitives: in 8 bytes each instead of 16, which makes kitchen's fastest build
+/// (1.4 million) take 0.92 of the time, and black-forest's 0.91.
+type Middle = Packed<22>;
+
 /// The codes of all primitives, and how many of their bits do not name the treelet.
 enum Codes {
-    Short(Room<u64>, u32),
+    Short(Room<Short>, u32),
+    Middle(Room<Middle>, u32),
     Long(Room<u128>, u32),
+}
+
+fn fits<C: Coded>(grid: &MortonGrid, prims: &[PrimInfo]) -> bool {
+    grid.code_bits() <= C::CODE_BITS && prims.len() <= C::MAX_COUNT
 }
 
 fn coded<C: Coded>(prims: &[PrimInfo], grid: &MortonGrid, progress: &ProgressReporter) -> Result<Room<C>, Cancelled> {

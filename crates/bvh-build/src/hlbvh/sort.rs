@@ -122,6 +122,7 @@ fn distribute<C: Coded>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::hlbvh::coded::Packed;
 
     fn check<C: Coded>(n: u32, mask: u64) {
         let mut state = 7_u64;
@@ -143,7 +144,8 @@ mod tests {
         let masks = [0, 1, 7, 0x7ff, 0x3fff_ffff, 0x2000_00ff];
         for n in [0, 1, 2, 63, 64, 65, 1000, 5000, 8192, 8193, 100_000] {
             for mask in masks {
-                check::<u64>(n, mask);
+                check::<Packed<32>>(n, mask);
+                check::<Packed<22>>(n, mask << 10 | 3);
                 check::<u128>(n, mask);
             }
             check::<u128>(n, u64::MAX >> 1);

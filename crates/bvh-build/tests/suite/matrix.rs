@@ -30,6 +30,7 @@ fn every_tree_is_valid_for_extreme_parameters() {
     for (name, bounds) in hard_cases() {
         for config in [
             BuildConfig::new(SplitMethod::Hlbvh).with_morton_bits(MortonBits::Bits30),
+            BuildConfig::new(SplitMethod::Hlbvh).with_morton_bits(MortonBits::Bits42),
             BuildConfig::new(SplitMethod::Hlbvh).with_morton_bits(MortonBits::Bits63),
             BuildConfig::default().with_buckets(2),
             BuildConfig::default().with_buckets(64),

@@ -114,7 +114,7 @@ pub(crate) fn collapse<N: WideNode>(
     writer: &impl LeafWriter,
     watch: &impl Watch,
 ) -> Result<WideTree, NoWideTree> {
-    let mut plans = vec![Plan::default(); tree.len()];
+    let mut plans = bytemuck::zeroed_vec(tree.len());
     let cost = watch.observe(Stage::Plan, tree.len(), |update| plan::<N>(tree, &mut plans, writer, update));
     let cost = cost.ok_or(NoWideTree::Cancelled)?;
     let count = plans.first().map_or(0, Plan::line_count);

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use bvh_flat::SplitMethod;
+use bvh_flat::bvh_build::MortonBits;
 use geometry::glam::Vec3;
 use geometry::{Bounds3, Interval, Ray, Shape, TraversalRay};
 
@@ -96,7 +97,7 @@ pub(super) fn few_codes(run: &Run) -> Outcome {
     let rays = rays_at(&mesh, run.effort.pick(50, 200), &mut random);
     sweep(&mut tries, run, "on ten points", mesh.clone(), &rays, run.effort.pick(&[1, 4], &LEAVES));
     let mesh = Arc::new(mesh);
-    for bits in [bvh_flat::bvh_build::MortonBits::Bits30, bvh_flat::bvh_build::MortonBits::Bits63] {
+    for bits in [MortonBits::Bits30, MortonBits::Bits42, MortonBits::Bits63] {
         let config = bvh_flat::BuildConfig::new(SplitMethod::Hlbvh).with_morton_bits(bits);
         // That every primitive has a leaf is checked with the tree.
         let depth = tree_over(&mut tries, "on ten points", &mesh, &config).map_or(usize::MAX, |bvh| depth(bvh.bvh()));

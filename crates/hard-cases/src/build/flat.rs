@@ -24,7 +24,7 @@ pub(super) fn ends_of_the_grid(run: &Run) -> Outcome {
             sweep(&mut tries, run, &name, mesh.clone(), &rays, run.effort.pick(&[1, 4], &LEAVES));
             let mesh = Arc::new(mesh);
             let expected = expected(&*mesh, &rays);
-            for bits in [MortonBits::Bits30, MortonBits::Bits63] {
+            for bits in [MortonBits::Bits30, MortonBits::Bits42, MortonBits::Bits63] {
                 let config = BuildConfig::new(SplitMethod::Hlbvh).with_morton_bits(bits);
                 if let Some(bvh) = tree_over(&mut tries, &name, &mesh, &config) {
                     answers(&mut tries, &label(&name, &config), &bvh, &expected);

@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use bytemuck::Zeroable;
+
 use super::{BinaryTree, LeafWriter};
 use crate::parallel::join;
 use crate::simd::LANES;
@@ -12,7 +14,7 @@ use crate::wide::progress::Update;
 const SEQUENTIAL: usize = 1 << 13;
 
 /// What a binary node becomes, as one child of a wide node or as several.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Zeroable)]
 pub(super) struct Plan {
     /// The lines of everything below, if it is one child.
     lines: u32,
