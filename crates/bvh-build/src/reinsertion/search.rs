@@ -3,6 +3,10 @@
 use super::topology::{ROOT, Topology};
 use crate::prim_info::Bounds3A;
 
+/// No search looks below more nodes. In scenes hardly any does: it is 3 on average in sponza, 7 in hairball-procedural. Of
+/// long thin triangles in all directions, nearly all of which overlap, it would be 540, for a gain larger by 2 %.
+const MOST_OPENED: u32 = 64;
+
 /// A place for a subtree, better than that where it is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Move {
@@ -24,7 +28,7 @@ pub(super) type Pending = Vec<(f64, u32)>;
 /// costs the area of its new parent, and of each node above that what it grows by. The search goes from the old parent
 /// up to the root; at each node it goes down on the other side, wherever the savings less the area of the subtree,
 /// which the new parent has at least, are more than those of the best place so far (Meister and Bittner 2018,
-/// algorithm 1).
+/// algorithm 1), and it has not gone down often.
 pub(super) fn best_place(topology: &Topology, from: u32, least_gain: f64, pending: &mut Pending) -> Option<Move> {
     let subject = topology.bounds(from);
     let mut search = Search {
@@ -32,6 +36,7 @@ pub(super) fn best_place(topology: &Topology, from: u32, least_gain: f64, pendin
         subject,
         subject_area: subject.surface_area(),
         best: Move { from, to: from, gain: least_gain },
+        opened: 0,
         pending,
     };
     let mut pivot = topology.parent(from);
@@ -58,6 +63,8 @@ struct Search<'a> {
     subject: Bounds3A,
     subject_area: f64,
     best: Move,
+    /// Below how many nodes it has looked.
+    opened: u32,
     pending: &'a mut Pending,
 }
 
@@ -72,9 +79,11 @@ impl Search<'_> {
     fn go_down(&mut self, node: u32, saved: f64) {
         self.look_at(node, saved);
         while let Some((saved, node)) = self.pending.pop() {
-            if self.is_worth_it(saved)
+            if self.opened < MOST_OPENED
+                && self.is_worth_it(saved)
                 && let Some([a, b]) = self.topology.children(node)
             {
+                self.opened += 1;
                 self.look_at(a, saved);
                 self.look_at(b, saved);
             }

@@ -35,14 +35,11 @@ impl Cut {
             progress.check_step(i)?;
             if cut.is_before(p) {
                 cut.whole[0] += 1;
-            } else if !cut.is_through(p) {
-                cut.whole[1] += 1;
-            } else if let Some(side) = side_of_whole(p, plane) {
-                cut.parts[side].push(*p);
-            } else {
-                let mut halves = [p.bounds().to_bounds(); 2];
-                halves[0].max[axis.index()] = at;
-                halves[1].min[axis.index()] = at;
+            } else if let Some(halves) = plane.halves(p) {
+                if let Some(side) = side_of_whole(p, plane) {
+                    cut.parts[side].push(*p);
+                    continue;
+                }
                 let halves = halves.map(|half| clipped(p.index(), &half));
                 let halves =
                     [0, 1].map(|side| halves[side].is_valid().then(|| PrimInfo::new(&halves[side], p.index())));
@@ -52,6 +49,8 @@ impl Cut {
                 for (half, parts) in halves.into_iter().zip(&mut cut.parts) {
                     parts.extend(half);
                 }
+            } else {
+                cut.whole[1] += 1;
             }
         }
         Ok(cut)

@@ -63,9 +63,11 @@ impl<'a> Group<'a> {
         let prims = &self.room[..self.count];
         let [a_count, b_count] = [object.middle, self.count - object.middle].map(|count| count as f64);
         let Setting { rules: Rules { progress, .. }, clipped, .. } = self.setting;
-        let plane = cheapest_plane(prims, &self.extent.bounds.to_bounds(), clipped, self.room.len(), progress)?;
         let weight = a_count * a.surface_area() + b_count * b.surface_area();
-        let Some(plane) = plane.filter(|plane| plane.weight < weight) else { return Ok(None) };
+        let bounds = self.extent.bounds.to_bounds();
+        let Some(plane) = cheapest_plane(prims, &bounds, clipped, self.room.len(), weight, progress)? else {
+            return Ok(None);
+        };
         let cut = Cut::new(prims, &plane, clipped, progress)?;
         let counts = cut.counts();
         Ok((!counts.contains(&0) && counts[0] + counts[1] <= self.room.len()).then_some(cut))

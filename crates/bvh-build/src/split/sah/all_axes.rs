@@ -147,9 +147,14 @@ pub(crate) struct Grid {
 
 impl Grid {
     pub(crate) fn new(extent: &Extent, count: u32) -> Self {
-        let low = extent.centroids2.min;
-        let scale = Vec3A::splat(count as f32) / (extent.centroids2.max - low);
-        Self { low, scale, last: Vec3A::splat((count - 1) as f32) }
+        let Bounds3A { min, max } = extent.centroids2;
+        let size = max - min;
+        // A product below the normal numbers, or of one, takes some processors a hundred times as long, and those of
+        // places near the lowest may be such. So they are counted from a little below it, which moves no others.
+        let below = (size * 2_f32.powi(-120)).max(Vec3A::splat(f32::MIN_POSITIVE));
+        let below = Vec3A::select(size.cmpgt(Vec3A::splat(2_f32.powi(-100))), below, Vec3A::ZERO);
+        let scale = Vec3A::splat(count as f32) / size;
+        Self { low: min - below, scale, last: Vec3A::splat((count - 1) as f32) }
     }
 
     /// The bucket on each axis, never one that is not there: the half-open parts of the interval [0, count), as whole
