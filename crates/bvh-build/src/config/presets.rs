@@ -43,14 +43,14 @@ impl BuildConfig {
 
     /// A better tree for rays that go on for hours: [`SplitMethod::Sah`] over 64 buckets on all axes, then
     /// [`Reinsertion`]; and where the builder can ask for the parts of primitives, [`SpatialSplits`] of large nodes,
-    /// which take most of the time.
+    /// which take about half of the time.
     ///
     /// Between [`balanced`](Self::balanced) and this there is `balanced()` with reinsertion of whole leaves,
     /// `Reinsertion::new(2, 0.8).with_merged_leaves(false)`: a build takes 1.2 to 1.4 times as long (2.4 times for
     /// hairball-procedural), and the wide trees of kitchen, sponza, apartment and black-forest cost 0.90, 0.92, 0.89 and
     /// 0.95 of those without; those of this preset 0.91, 0.83, 0.78 and 0.91.
     ///
-    /// This preset without its spatial splits is built in 0.25 to 0.45 of the time. Rays are as fast in kitchen, but take
+    /// This preset without its spatial splits is built in 0.5 to 0.8 of the time. Rays are as fast in kitchen, but take
     /// 1.06 times as long in sponza, 1.10 in apartment, and 1.07 in black-forest and in hairball-procedural, whose tree
     /// costs the same with and without.
     pub const fn high() -> Self {
