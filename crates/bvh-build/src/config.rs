@@ -61,9 +61,9 @@ impl SplitAxes {
 /// 2¹⁰, 2¹⁴ or 2²¹ of them along the longest axis of the centroids' bounds. (pbrt stretches the cells to the bounds.)
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum MortonBits {
-    /// The fewest of which no more than half of the primitives are smaller than one cell, that is, have a largest extent
-    /// below 1/1024 (of 30 bits; 1/16384 of 42) of the largest extent of all centroids' bounds. Beyond that point
-    /// neighbours begin to be put into one cell.
+    /// 30 or 42, if no more than half of the primitives are smaller than one cell then, that is, have a largest extent
+    /// below 1/1024 (1/16384) of the largest extent of all centroids' bounds; else 63. Beyond that point neighbours
+    /// begin to be put into one cell.
     #[default]
     Auto,
     /// 10 bits for each axis, as in pbrt. The fastest to sort.

@@ -22,12 +22,12 @@
 //!   coordinates gives its place along the Morton curve, and sorting by it puts neighbours next to each other:
 //!
 //!   ```text
-//!     x =     x₉  …        x₆        x₅  …        x₀     10 bits for each axis (or 21)
+//!     x =     x₉  …        x₆        x₅  …        x₀     10 bits for each axis (or 14, 21)
 //!     y =   y₉    …      y₆        y₅    …      y₀
 //!     z = z₉      …    z₆        z₅      …    z₀
 //!
-//!   code = z₉y₉x₉ …    z₆y₆x₆    z₅y₅x₅ …    z₀y₀x₀      30 bits (or 63)
-//!          └───── 12 ──────┘    └───── 18 ──────┘        (or 12 and 51)
+//!   code = z₉y₉x₉ …    z₆y₆x₆    z₅y₅x₅ …    z₀y₀x₀      30 bits (or 42, 63)
+//!          └───── 12 ──────┘    └───── 18 ──────┘        (or 12 and 30, 51)
 //!           name the treelet     split it, from
 //!                                the highest down
 //!   ```

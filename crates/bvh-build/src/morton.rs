@@ -60,8 +60,8 @@ pub(crate) fn axis_of_bit(bit: u32) -> Axis {
     Axis::ALL[bit as usize % 3]
 }
 
-/// How many bits for each axis [`MortonBits::Auto`] stands for: the fewest of which no more than half of all primitives
-/// are smaller than a cell.
+/// How many bits for each axis [`MortonBits::Auto`] stands for: 10 or 14, if no more than half of all primitives are
+/// smaller than a cell then, else 21.
 ///
 /// (Of all, though it is a pass over memory: with every hundredth the answer would depend on the order of primitives.)
 fn bits_for_detail(prims: &[PrimInfo], extent: &Extent, progress: &ProgressReporter) -> Result<u32, Cancelled> {

@@ -9,8 +9,8 @@ pub(super) trait Coded: Pod + Debug + Ord + Send + Sync {
     /// How many bits a code may have.
     const CODE_BITS: u32;
 
-    /// How many numbers there may be, from 0 on.
-    const MAX_COUNT: usize;
+    /// How many bits a number may have.
+    const NUMBER_BITS: u32;
 
     fn new(code: u64, number: u32) -> Self;
 
@@ -26,7 +26,7 @@ pub(super) struct Packed<const NUMBER_BITS: u32>(u64);
 
 impl<const NUMBER_BITS: u32> Coded for Packed<NUMBER_BITS> {
     const CODE_BITS: u32 = u64::BITS - NUMBER_BITS;
-    const MAX_COUNT: usize = 1 << NUMBER_BITS;
+    const NUMBER_BITS: u32 = NUMBER_BITS;
 
     fn new(code: u64, number: u32) -> Self {
         Self(code << NUMBER_BITS | u64::from(number))
@@ -43,7 +43,7 @@ impl<const NUMBER_BITS: u32> Coded for Packed<NUMBER_BITS> {
 
 impl Coded for u128 {
     const CODE_BITS: u32 = 64;
-    const MAX_COUNT: usize = 1 << u32::BITS;
+    const NUMBER_BITS: u32 = u32::BITS;
 
     fn new(code: u64, number: u32) -> Self {
         Self::from(code) << 32 | Self::from(number)

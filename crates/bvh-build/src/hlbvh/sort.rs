@@ -145,7 +145,7 @@ mod tests {
         for n in [0, 1, 2, 63, 64, 65, 1000, 5000, 8192, 8193, 100_000] {
             for mask in masks {
                 check::<Packed<32>>(n, mask);
-                check::<Packed<22>>(n, mask << 10 | 3);
+                check::<Packed<22>>(n, mask << 12 | 3);
                 check::<u128>(n, mask);
             }
             check::<u128>(n, u64::MAX >> 1);

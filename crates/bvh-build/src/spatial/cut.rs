@@ -33,13 +33,13 @@ impl Cut {
         let mut cut = Self { axis, at, whole: [0, 0], parts: [Vec::new(), Vec::new()] };
         for (i, p) in prims.iter().enumerate() {
             progress.check_step(i)?;
-            if cut.is_before(p) {
-                cut.whole[0] += 1;
-            } else if let Some(halves) = plane.halves(p) {
-                if let Some(side) = side_of_whole(p, plane) {
-                    cut.parts[side].push(*p);
-                    continue;
-                }
+            let Some(halves) = plane.halves(p) else {
+                cut.whole[usize::from(!cut.is_before(p))] += 1;
+                continue;
+            };
+            if let Some(side) = side_of_whole(p, plane) {
+                cut.parts[side].push(*p);
+            } else {
                 let halves = halves.map(|half| clipped(p.index(), &half));
                 let halves =
                     [0, 1].map(|side| halves[side].is_valid().then(|| PrimInfo::new(&halves[side], p.index())));
@@ -49,19 +49,18 @@ impl Cut {
                 for (half, parts) in halves.into_iter().zip(&mut cut.parts) {
                     parts.extend(half);
                 }
-            } else {
-                cut.whole[1] += 1;
             }
         }
         Ok(cut)
     }
 
+    /// Whether it lies before the plane; what is flat and in the plane is behind it.
     fn is_before(&self, p: &PrimInfo) -> bool {
-        p.bounds().max[self.axis.index()] <= self.at
+        self.begins_before(p) && p.bounds().max[self.axis.index()] <= self.at
     }
 
-    /// Whether the plane cuts what does not lie before it.
-    fn is_through(&self, p: &PrimInfo) -> bool {
+    /// Whether it begins before the plane, which cuts it if it does not lie before it.
+    fn begins_before(&self, p: &PrimInfo) -> bool {
         p.bounds().min[self.axis.index()] < self.at
     }
 
@@ -84,7 +83,7 @@ impl Cut {
         progress: &ProgressReporter,
     ) -> Result<(), Cancelled> {
         let before = partition(&mut room[..count], |p| self.is_before(p), progress)?;
-        let through = partition(&mut room[before..count], |p| self.is_through(p), progress)?;
+        let through = partition(&mut room[before..count], |p| self.begins_before(p), progress)?;
         let [a, b] = &self.parts;
         room.copy_within(before + through..count, second + b.len());
         room[second..second + b.len()].copy_from_slice(b);

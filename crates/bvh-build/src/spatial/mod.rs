@@ -46,8 +46,8 @@ pub struct SpatialSplits {
     /// default 0.1.
     /// (Of sponza's speed, 0.05 gives the most of what 0.2 gives, in 62 bytes a triangle instead of 66.)
     pub budget: f32,
-    /// Space is not split where there are fewer references: it takes as much time as all the splits above together, and
-    /// the trees are not better. Default 512.
+    /// Space is not split where there are fewer references. Default 512: with 64, sponza's build takes a tenth more
+    /// instructions, and the tree costs no less.
     pub least_references: u32,
 }
 

@@ -66,7 +66,8 @@ fn the_bytes_of_a_tree_are_known() {
 
     let bounds = crate::scenes::uniform(10_000, 1);
     let [sah, hlbvh, middle, equal_counts] = SplitMethod::ALL.map(BuildConfig::new);
-    let configs = [sah, hlbvh, middle, equal_counts, BuildConfig::balanced(), BuildConfig::highest()];
+    let bits42 = hlbvh.with_morton_bits(bvh_build::MortonBits::Bits42);
+    let configs = [sah, hlbvh, middle, equal_counts, BuildConfig::balanced(), BuildConfig::highest(), bits42];
     let digests = configs.map(|config| {
         let tree = build(&bounds, &config).expect("valid");
         // FNV-1a over words.
@@ -81,6 +82,7 @@ fn the_bytes_of_a_tree_are_known() {
         0x4a30_2862_0cd3_5758,
         0xf512_b9a2_c3c5_0a91,
         0x93fa_43c3_d1cf_e988,
+        0xac87_d6b8_66e4_b6c3,
     ];
     assert_eq!(digests, known, "{digests:#018x?}");
 }

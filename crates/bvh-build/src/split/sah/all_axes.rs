@@ -150,8 +150,9 @@ impl Grid {
         let Bounds3A { min, max } = extent.centroids2;
         let size = max - min;
         // A product below the normal numbers, or of one, takes some processors a hundred times as long, and those of
-        // places near the lowest may be such. So they are counted from a little below it, which moves no others.
-        let below = (size * 2_f32.powi(-120)).max(Vec3A::splat(f32::MIN_POSITIVE));
+        // places near the lowest may be such. So they are counted from a little below it: the least that is normal,
+        // or 2⁻¹²⁰ of the size, which moves no others unless the size is below 2⁻⁹⁰.
+        let below = size.max(Vec3A::splat(2_f32.powi(-6))) * 2_f32.powi(-120);
         let below = Vec3A::select(size.cmpgt(Vec3A::splat(2_f32.powi(-100))), below, Vec3A::ZERO);
         let scale = Vec3A::splat(count as f32) / size;
         Self { low: min - below, scale, last: Vec3A::splat((count - 1) as f32) }
