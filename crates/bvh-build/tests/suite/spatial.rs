@@ -7,7 +7,7 @@ use bvh_build::{BuildConfig, MAX_DEPTH, NodeKind, Reinsertion, SpatialSplits, Tr
 use crate::scenes::{Random, hard_cases, uniform};
 
 /// Primitives that fill their bounds.
-fn split_tree(bounds: &[Bounds3], config: &BuildConfig) -> Tree {
+pub(crate) fn split_tree(bounds: &[Bounds3], config: &BuildConfig) -> Tree {
     let clipped = |i: u32, to: &Bounds3| common(&bounds[i as usize], to);
     build_split(bounds.len(), |i| bounds[i as usize], &clipped, config, &()).expect("valid")
 }
@@ -96,7 +96,7 @@ fn every_part_of_every_primitive_is_in_a_leaf() {
 }
 
 /// Sticks in all directions, which no division keeps apart.
-fn long_boxes(count: usize) -> Vec<Bounds3> {
+pub(crate) fn long_boxes(count: usize) -> Vec<Bounds3> {
     let mut random = Random(3);
     let stick = |i: usize| {
         let mut size = Vec3::splat(0.002);

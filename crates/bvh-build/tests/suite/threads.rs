@@ -1,7 +1,6 @@
 //! The same bytes on any number of threads.
 
-use bvh_build::geometry::Bounds3;
-use bvh_build::{BuildConfig, NodeKind, Reinsertion, SplitAxes, SplitMethod, Tree};
+use bvh_build::{BuildConfig, NodeKind, Reinsertion, SpatialSplits, SplitAxes, SplitMethod, Tree};
 
 /// Each method, and what else there is to choose.
 pub(crate) fn configs() -> Vec<(&'static str, BuildConfig)> {
@@ -34,6 +33,7 @@ pub(crate) fn bits(tree: &Tree) -> Vec<u32> {
 #[test]
 fn threads_change_nothing() {
     use bvh_build::build;
+    use bvh_build::geometry::Bounds3;
 
     let pools = [1, 2, 5].map(|n| rayon::ThreadPoolBuilder::new().num_threads(n).build().expect("threads can start"));
     let mut cases = crate::scenes::hard_cases();
@@ -62,19 +62,21 @@ fn threads_change_nothing() {
 /// change of these numbers changes every stored tree; where it is meant, write the new ones here.
 #[test]
 fn the_bytes_of_a_tree_are_known() {
+    use crate::spatial::{long_boxes, split_tree};
     use bvh_build::build;
 
     let bounds = crate::scenes::uniform(10_000, 1);
     let [sah, hlbvh, middle, equal_counts] = SplitMethod::ALL.map(BuildConfig::new);
     let bits42 = hlbvh.with_morton_bits(bvh_build::MortonBits::Bits42);
     let configs = [sah, hlbvh, middle, equal_counts, BuildConfig::balanced(), BuildConfig::highest(), bits42];
-    let digests = configs.map(|config| {
-        let tree = build(&bounds, &config).expect("valid");
-        // FNV-1a over words.
-        bits(&tree)
-            .iter()
-            .fold(0xcbf2_9ce4_8422_2325_u64, |hash, &word| (hash ^ u64::from(word)).wrapping_mul(0x0000_0100_0000_01b3))
-    });
+    let trees = configs.map(|config| build(&bounds, &config).expect("valid"));
+    let splits = SpatialSplits::new(0.0, 0.5).with_least_references(32);
+    let split = split_tree(&long_boxes(5_000), &BuildConfig::highest().with_spatial_splits(Some(splits)));
+    assert!(split.statistics().reference_count > 5_000);
+    // FNV-1a over words.
+    let add = |hash: u64, word: u32| (hash ^ u64::from(word)).wrapping_mul(0x0000_0100_0000_01b3);
+    let digest = |tree: &Tree| bits(tree).into_iter().fold(0xcbf2_9ce4_8422_2325_u64, add);
+    let digests: Vec<u64> = trees.iter().chain([&split]).map(digest).collect();
     let known = [
         0xcd32_9ab1_9452_6a82,
         0xac87_d6b8_66e4_b6c3,
@@ -83,6 +85,7 @@ fn the_bytes_of_a_tree_are_known() {
         0xf512_b9a2_c3c5_0a91,
         0x93fa_43c3_d1cf_e988,
         0xac87_d6b8_66e4_b6c3,
+        0xd2e2_aa6a_773c_a969,
     ];
     assert_eq!(digests, known, "{digests:#018x?}");
 }
