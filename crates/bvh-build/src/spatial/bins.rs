@@ -74,16 +74,20 @@ impl Plane {
         a > 0 && b > 0 && a + b <= most
     }
 
-    /// The bounds of a reference on each side; `None` where it is not on both.
-    pub(super) fn halves(&self, p: &PrimInfo) -> Option<[Bounds3; 2]> {
+    /// On which sides a reference has a part; what is flat and in the plane is behind it.
+    #[inline]
+    pub(super) fn sides_of(&self, p: &PrimInfo) -> [bool; 2] {
         let (axis, bounds) = (self.axis.index(), p.bounds());
-        let is_cut = bounds.min[axis] < self.at && self.at < bounds.max[axis];
-        is_cut.then(|| {
-            let mut halves = [bounds.to_bounds(); 2];
-            halves[0].max[axis] = self.at;
-            halves[1].min[axis] = self.at;
-            halves
-        })
+        let begins_before = bounds.min[axis] < self.at;
+        [begins_before, !begins_before || self.at < bounds.max[axis]]
+    }
+
+    /// The bounds of a reference that it cuts, on each side.
+    pub(super) fn halves(&self, p: &PrimInfo) -> [Bounds3; 2] {
+        let mut halves = [p.bounds().to_bounds(); 2];
+        halves[0].max[self.axis.index()] = self.at;
+        halves[1].min[self.axis.index()] = self.at;
+        halves
     }
 
     /// The same with the parts of what it cuts.
@@ -95,9 +99,9 @@ impl Plane {
     ) -> Result<Self, Cancelled> {
         let parts = |part: &[PrimInfo]| {
             let mut parts = [Bounds3A::EMPTY; 2];
-            for (p, halves) in part.iter().filter_map(|p| Some((p, self.halves(p)?))) {
-                for (part, half) in parts.iter_mut().zip(&halves) {
-                    *part = part.union(&clipped(p.index(), half).into());
+            for p in part.iter().filter(|p| self.sides_of(p) == [true, true]) {
+                for (part, half) in parts.iter_mut().zip(self.halves(p)) {
+                    *part = part.union(&clipped(p.index(), &half).into());
                 }
             }
             parts

@@ -10,8 +10,7 @@ use crate::{Cancelled, ProgressReporter};
 
 /// What becomes of a node's references.
 pub(super) struct Cut {
-    axis: Axis,
-    at: f32,
+    plane: Plane,
     /// How many lie on each side as they are.
     whole: [usize; 2],
     /// What becomes of those that the plane cuts, on each side.
@@ -29,18 +28,16 @@ impl Cut {
         clipped: &ClippedBounds,
         progress: &ProgressReporter,
     ) -> Result<Self, Cancelled> {
-        let (axis, at) = (plane.axis, plane.at);
-        let mut cut = Self { axis, at, whole: [0, 0], parts: [Vec::new(), Vec::new()] };
+        let mut cut = Self { plane: *plane, whole: [0, 0], parts: [Vec::new(), Vec::new()] };
         for (i, p) in prims.iter().enumerate() {
             progress.check_step(i)?;
-            let Some(halves) = plane.halves(p) else {
-                cut.whole[usize::from(!cut.is_before(p))] += 1;
-                continue;
-            };
-            if let Some(side) = side_of_whole(p, plane) {
+            let [is_before, is_behind] = plane.sides_of(p);
+            if !(is_before && is_behind) {
+                cut.whole[usize::from(is_behind)] += 1;
+            } else if let Some(side) = side_of_whole(p, plane) {
                 cut.parts[side].push(*p);
             } else {
-                let halves = halves.map(|half| clipped(p.index(), &half));
+                let halves = plane.halves(p).map(|half| clipped(p.index(), &half));
                 let halves =
                     [0, 1].map(|side| halves[side].is_valid().then(|| PrimInfo::new(&halves[side], p.index())));
                 if halves.iter().all(Option::is_none) {
@@ -54,18 +51,8 @@ impl Cut {
         Ok(cut)
     }
 
-    /// Whether it lies before the plane; what is flat and in the plane is behind it.
-    fn is_before(&self, p: &PrimInfo) -> bool {
-        self.begins_before(p) && p.bounds().max[self.axis.index()] <= self.at
-    }
-
-    /// Whether it begins before the plane, which cuts it if it does not lie before it.
-    fn begins_before(&self, p: &PrimInfo) -> bool {
-        p.bounds().min[self.axis.index()] < self.at
-    }
-
     pub(super) fn axis(&self) -> Axis {
-        self.axis
+        self.plane.axis
     }
 
     /// How many references each side has.
@@ -82,8 +69,8 @@ impl Cut {
         second: usize,
         progress: &ProgressReporter,
     ) -> Result<(), Cancelled> {
-        let before = partition(&mut room[..count], |p| self.is_before(p), progress)?;
-        let through = partition(&mut room[before..count], |p| self.begins_before(p), progress)?;
+        let before = partition(&mut room[..count], |p| self.plane.sides_of(p) == [true, false], progress)?;
+        let through = partition(&mut room[before..count], |p| self.plane.sides_of(p)[0], progress)?;
         let [a, b] = &self.parts;
         room.copy_within(before + through..count, second + b.len());
         room[second..second + b.len()].copy_from_slice(b);
